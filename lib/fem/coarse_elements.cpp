@@ -58,12 +58,15 @@ void CoarseElements::measure_residual() {
   m_size.rms = std::sqrt(3 * squares / double(std::max<std::size_t>(forces.size(), 3))) * part;
 }
 
-bool CoarseElements::run(const Progress* progress) {
+bool CoarseElements::run(const Progress* progress, Progress* told) {
   const double tolerance = std::max(m_limits.tolerance, kRounding);
   for (;;) {
     measure_residual();
     if (m_size.is_within(tolerance, m_limits.reaction_tolerance)) return true;
     if (m_iterations >= m_limits.max_iterations) return false;
+    if (told != nullptr) {
+      told->update(part_of_way(m_size, tolerance, m_limits.reaction_tolerance));
+    }
     const double part = std::clamp(kMargin * tolerance / m_size.max, kLeastPart, kMostPart);
     const int steps =
         m_multigrid->solve_at(m_level, part, m_limits.max_iterations - m_iterations, progress);

@@ -28,7 +28,7 @@ class CoarseElements {
                  const CgLimits& limits);
 
   /// False after too many iterations, or where no descent is found. Throws Cancelled.
-  bool run(const Progress* progress);
+  bool run(const Progress* progress, Progress* told = nullptr);
 
   int iterations() const { return m_iterations; }
   /// Of the forces of coarse nodes.

@@ -81,7 +81,15 @@ bool ConjugateGradients::iterate(bool is_first) {
   return true;
 }
 
-bool ConjugateGradients::run(const Progress* progress) {
+/// A residual may grow on its way; what is told does not go back.
+void ConjugateGradients::tell(Progress* told) {
+  if (told == nullptr) return;
+  const double part = part_of_way(m_size, m_limits.tolerance, m_limits.reaction_tolerance);
+  m_told_part = std::max(m_told_part, part);
+  told->update(m_told_part);
+}
+
+bool ConjugateGradients::run(const Progress* progress, Progress* told) {
   compute_residual();
   m_size = m_meter(m_r);
   if (m_size.largest_mn == 0) return true;
@@ -94,6 +102,7 @@ bool ConjugateGradients::run(const Progress* progress) {
       is_first = false;
       ++m_iterations;
       m_size = m_meter(m_r);
+      tell(told);
       if (is_converged() || !(m_p_q > 0)) break;
     }
     const double change = m_size.reaction_change;

@@ -47,8 +47,9 @@ class ConjugateGradients {
   ConjugateGradients(LinearSystem& system, NodalLoads& loads, const CgLimits& limits);
 
   /// True when the limits are reached by the residual as it is computed afresh; false after too
-  /// many iterations, or where no descent is found. Throws Cancelled.
-  bool run(const Progress* progress);
+  /// many iterations, or where no descent is found. Throws Cancelled. `told`: hears after every
+  /// iteration how far the residual has come.
+  bool run(const Progress* progress, Progress* told = nullptr);
 
   int iterations() const { return m_iterations; }
   const ResidualSize& size() const { return m_size; }
@@ -62,6 +63,7 @@ class ConjugateGradients {
   void precondition();
   bool iterate(bool is_first);
   bool is_converged() const;
+  void tell(Progress* told);
 
   LinearSystem* m_system;
   const NodalLoads* m_loads;
@@ -69,6 +71,7 @@ class ConjugateGradients {
   ResidualMeter m_meter;
   ResidualSize m_size;
   int m_iterations = 0;
+  double m_told_part = 0;
   std::vector<double> m_u, m_r;
   std::vector<float> m_p;
   /// K p from its computation to the next r; then r, B r and K p in single precision until the next

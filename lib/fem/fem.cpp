@@ -21,8 +21,10 @@ struct FemModel::Parts {
   MeshLevels levels;
   HexOperator stiffness;
 
-  Parts(VoxelMaterial of, HexMesh mesh)
-      : material(std::move(of)), levels(std::move(mesh)), stiffness(levels.meshes[0], material) {}
+  Parts(VoxelMaterial of, HexMesh mesh, Progress* progress)
+      : material(std::move(of)),
+        levels(std::move(mesh), progress),
+        stiffness(levels.meshes[0], material) {}
 
   std::size_t bytes() const {
     return material.classes.capacity() + levels.bytes() + stiffness.bytes();
@@ -86,6 +88,26 @@ void note(const ResidualSize& size, FemReport& report) {
   report.reaction_change = size.reaction_change;
 }
 
+MotionLimits limits_of(const FemParams& params) {
+  return {params.max_rotation_deg, params.max_strain};
+}
+
+void note(const LargestMotion& largest, FemReport& report) {
+  report.largest_rotation_deg = largest.rotation_deg;
+  report.largest_strain = largest.strain;
+  report.turned = largest.turned;
+  report.strained = largest.strained;
+  report.beyond_elements = largest.beyond;
+}
+
+/// What is held stays prescribed. A start of another mesh is none.
+void begin_from(const NodeStart& start_mm, NodalLoads& loads) {
+  if (start_mm.size() != loads.u_mm.size()) return;
+  for (std::size_t n = 0; n < loads.u_mm.size(); ++n) {
+    if ((loads.held[n / 3] >> n % 3 & 1) == 0) loads.u_mm[n] = double(start_mm[n]);
+  }
+}
+
 /// Reactions, balance and energy from r = f - K(u), which is minus the force of what holds a node.
 /// Sums of less than `least_force_mn` are rounding.
 void balance(const NodalLoads& loads, const std::vector<double>& u, const std::vector<double>& r,
@@ -116,37 +138,6 @@ void balance(const NodalLoads& loads, const std::vector<double>& u, const std::v
 
 }  // namespace
 
-std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loads,
-                                      const std::vector<double>& r,
-                                      const std::vector<double>* u_mm) {
-  std::vector<FemReaction> out;
-  for (const std::vector<NodeIndex>& nodes : loads.nodes_of) {
-    std::vector<Vec3d> positions = node_positions(mesh, nodes);
-    FemReaction reaction;
-    reaction.nodes = std::int64_t(nodes.size());
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      if (u_mm != nullptr) {
-        const double* u = &(*u_mm)[3 * std::size_t(nodes[n])];
-        positions[n] += Vec3d(u[0], u[1], u[2]);
-      }
-      reaction.centre_mm += positions[n];
-    }
-    if (!nodes.empty()) reaction.centre_mm /= double(nodes.size());
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-      // The body pulls with r at what holds the node.
-      Vec3d force(0);
-      for (int a = 0; a < 3; ++a) {
-        if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
-        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * kNPerMn;
-      }
-      reaction.force_n += force;
-      reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);
-    }
-    out.push_back(reaction);
-  }
-  return out;
-}
-
 ElasticTable ElasticTable::uniform(double young_kpa, double poisson) {
   ElasticTable table;
   table.young_kpa.fill(young_kpa);
@@ -161,6 +152,14 @@ void ElasticTable::validate() const {
     require(poisson[n] > -1 && poisson[n] <= kLargestPoisson, "poisson", poisson[n],
             "above -1 and at most 0.4999");
   }
+}
+
+void FemParams::set_accuracy(FemAccuracy chosen) {
+  const FemParams exact;
+  const bool is_picture = chosen == FemAccuracy::picture;
+  accuracy = chosen;
+  tolerance = is_picture ? kPictureTolerance : exact.tolerance;
+  reaction_tolerance = is_picture ? kPictureTolerance : exact.reaction_tolerance;
 }
 
 void FemParams::validate() const {
@@ -185,7 +184,8 @@ NotConverged::NotConverged(const FemReport& report)
 FemModel::FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation,
                    Progress* progress) {
   stage(progress, "finite elements");
-  m_parts = std::make_unique<Parts>(material_of(body, elastic, dilatation), hex_mesh(body));
+  m_parts = std::make_unique<Parts>(material_of(body, elastic, dilatation),
+                                    hex_mesh(body, progress), progress);
 }
 
 FemModel::~FemModel() = default;
@@ -212,10 +212,11 @@ void FemModel::apply(const std::vector<double>& u_mm, std::vector<double>& force
   m_parts->stiffness.add(u_mm.data(), force_mn.data());
 }
 
-FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
-                            Progress* progress) const {
+FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Progress* progress,
+                            const NodeStart* start_mm) const {
   params.validate();
   const auto start = std::chrono::steady_clock::now();
+  poll(progress);
   NodalLoads nodal = nodal_loads(mesh(), material(), loads, params.strain);
   FemSolution out;
   FemReport& report = out.report;
@@ -223,6 +224,7 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
   report.nodes = mesh().node_count();
   const LooseCount loose =
       hold_loose_islands(mesh(), params.loose == LooseIslands::hold, nodal.held);
+  poll(progress);
   report.islands = loose.islands;
   report.loose_islands = loose.loose_islands;
   report.loose_elements = loose.loose_elements;
@@ -233,6 +235,9 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params,
                       "every piece held so that it cannot move as a rigid body"});
   }
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
+  if (start_mm != nullptr && params.strain == StrainTheory::linear) {
+    begin_from(*start_mm, nodal);
+  }
   report.setup_ms = milliseconds_since(start);
   if (params.solver != EquationSolver::multigrid) {
     solve_by_peer(nodal, params, progress, out);
@@ -307,23 +312,33 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
   run_linear(solver, loads, params, progress, out);
 }
 
+namespace {
+
+template <class Solver>
+bool run_told(Solver& solver, Progress* progress) {
+  return solver.run(progress, progress);
+}
+/// Other programs do not tell how far they are.
+bool run_told(PeerSolver& solver, Progress* progress) {
+  return solver.run(progress);
+}
+
+}  // namespace
+
 template <class Solver>
 void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
                           Progress* progress, FemSolution& out) const {
   FemReport& report = out.report;
   const auto start = std::chrono::steady_clock::now();
-  const bool converged = solver.run(progress);
+  const bool converged = run_told(solver, progress);
   report.iterations = solver.iterations();
   note(solver.size(), report);
   report.solve_ms = milliseconds_since(start);
   if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   out.reactions = reactions_of(mesh(), loads, solver.residual());
-  const LargestMotion largest = largest_motion(mesh(), material(), solver.u());
-  report.largest_rotation_deg = largest.rotation_deg;
-  report.largest_strain = largest.strain;
-  report.beyond_linear =
-      largest.rotation_deg > params.max_rotation_deg || largest.strain > params.max_strain;
+  note(largest_motion(mesh(), material(), solver.u(), params.strain, limits_of(params)), report);
+  report.beyond_linear = report.beyond_elements > 0;
   out.u_mm = solver.take_u();
 }
 
@@ -353,10 +368,7 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   report.energy_mj = solver.report().energy_uj * kMjPerUj;
   out.reactions = reactions_of(mesh(), loads, solver.residual(), &solver.u());
-  const LargestMotion largest =
-      largest_motion(mesh(), material(), solver.u(), StrainTheory::finite);
-  report.largest_rotation_deg = largest.rotation_deg;
-  report.largest_strain = largest.strain;
+  note(largest_motion(mesh(), material(), solver.u(), params.strain, limits_of(params)), report);
   out.u_mm = solver.take_u();
 }
 

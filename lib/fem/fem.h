@@ -56,7 +56,14 @@ enum class LooseIslands {
 /// conjugate gradients with incomplete Cholesky factors, or DOLFINx with algebraic multigrid.
 enum class EquationSolver { multigrid, calculix, calculix_iterative, dolfinx };
 
+/// What a solution is for: numbers, to the rounding of states; or a picture, whose errors lie far
+/// below a pixel. A picture goes on from an earlier equilibrium of the body where there is one.
+enum class FemAccuracy { exact, picture };
+constexpr double kPictureTolerance = 0.1;  // of residual and reactions
+
 struct FemParams {
+  /// Chosen by set_accuracy(), which both tolerances follow.
+  FemAccuracy accuracy = FemAccuracy::exact;
   StrainTheory strain = StrainTheory::linear;
   /// Ends when the residual, largest and rms over nodes, is at most this part of the largest nodal
   /// force (of loads, reactions included) and the reactions changed by at most
@@ -74,6 +81,7 @@ struct FemParams {
   double max_rotation_deg = 5;
   double max_strain = 0.05;
 
+  void set_accuracy(FemAccuracy chosen);
   /// Throws InputError.
   void validate() const;
 };
@@ -100,9 +108,11 @@ struct FemReport {
   double reaction_change = 0;  // relative, over the last iteration
   std::int64_t loose_islands = 0, loose_elements = 0, islands = 0;
   double largest_rotation_deg = 0, largest_strain = 0;
-  bool beyond_linear = false;          // never at finite strain
-  std::optional<NewtonReport> newton;  // at finite strain
-  std::size_t bytes = 0;               // at the most, of the solver and its mesh
+  Vec3i turned{0, 0, 0}, strained{0, 0, 0};  // where, in voxels of the mesh
+  std::int64_t beyond_elements = 0;          // that turn or strain by more than the bounds
+  bool beyond_linear = false;                // never at finite strain
+  std::optional<NewtonReport> newton;        // at finite strain
+  std::size_t bytes = 0;                     // at the most, of the solver and its mesh
   double setup_ms = 0, solve_ms = 0;
 };
 
@@ -143,8 +153,9 @@ class FemModel {
 
   /// Throws InputError (a value out of range, loose islands that are refused, a solver that is not
   /// installed), NotConverged, Error of another solver, Cancelled.
+  /// `start`: of the mesh's nodes, to begin from; null: rest. Finite strain begins at rest.
   FemSolution solve(const FemLoads& loads, const FemParams& params = {},
-                    Progress* progress = nullptr) const;
+                    Progress* progress = nullptr, const NodeStart* start = nullptr) const;
 
   /// K u in mN, three per node: the linear operator as it is, for checks and other solvers.
   void apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const;

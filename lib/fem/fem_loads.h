@@ -49,6 +49,9 @@ struct PressureInElements {
   double pressure_kpa = 0;
 };
 
+/// Displacements in mm, LPS, three per node: of an equilibrium from which another goes on.
+using NodeStart = std::vector<float>;
+
 struct FemLoads {
   /// A node that several hold obeys the first.
   std::vector<HeldElements> held;

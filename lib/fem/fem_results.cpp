@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "lib/fem/fem.h"
 #include "lib/fem/finite_strain.h"
 #include "lib/fem/small_matrix.h"
 #include "volumes/base/error.h"
@@ -15,6 +16,7 @@ namespace supple {
 
 namespace {
 
+constexpr double kNPerMn = 1e-3;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 double trace(const SymmetricTensor& t) {
@@ -177,22 +179,42 @@ std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& ma
   return values;
 }
 
+void LargestMotion::take(const LargestMotion& other) {
+  if (other.rotation_deg > rotation_deg) {
+    rotation_deg = other.rotation_deg;
+    turned = other.turned;
+  }
+  if (other.strain > strain) {
+    strain = other.strain;
+    strained = other.strained;
+  }
+  beyond += other.beyond;
+}
+
 LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& material,
-                             const std::vector<double>& u_mm, StrainTheory theory) {
-  const auto larger = [](const LargestMotion& a, const LargestMotion& b) {
-    return LargestMotion{std::max(a.rotation_deg, b.rotation_deg), std::max(a.strain, b.strain)};
-  };
+                             const std::vector<double>& u_mm, StrainTheory theory,
+                             const MotionLimits& limits) {
   const auto of_range = [&](const tbb::blocked_range<std::int32_t>& range, LargestMotion sum) {
     for (std::int32_t e = range.begin(); e < range.end(); ++e) {
       const ElementState state = element_state(voxels, material, u_mm, e, theory);
       const std::array<double, 3> principal = eigenvalues(state.strain);
-      sum = larger(sum, {state.rotation_rad.length() * kDegrees,
-                         std::max(std::abs(principal[0]), std::abs(principal[2]))});
+      LargestMotion own;
+      own.rotation_deg = state.rotation_rad.length() * kDegrees;
+      own.strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
+      own.beyond = own.rotation_deg > limits.rotation_deg || own.strain > limits.strain;
+      if (own.rotation_deg > sum.rotation_deg || own.strain > sum.strain) {
+        own.turned = own.strained = voxels.cell_of(e);
+      }
+      sum.take(own);
     }
     return sum;
   };
+  const auto join = [](LargestMotion a, const LargestMotion& b) {
+    a.take(b);
+    return a;
+  };
   return tbb::parallel_reduce(tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
-                              LargestMotion{}, of_range, larger);
+                              LargestMotion{}, of_range, join);
 }
 
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,
@@ -203,6 +225,37 @@ Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm
     sum += Vec3d(u[0], u[1], u[2]);
   }
   return sum / 8;
+}
+
+std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loads,
+                                      const std::vector<double>& r,
+                                      const std::vector<double>* u_mm) {
+  std::vector<FemReaction> out;
+  for (const std::vector<NodeIndex>& nodes : loads.nodes_of) {
+    std::vector<Vec3d> positions = node_positions(mesh, nodes);
+    FemReaction reaction;
+    reaction.nodes = std::int64_t(nodes.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (u_mm != nullptr) {
+        const double* u = &(*u_mm)[3 * std::size_t(nodes[n])];
+        positions[n] += Vec3d(u[0], u[1], u[2]);
+      }
+      reaction.centre_mm += positions[n];
+    }
+    if (!nodes.empty()) reaction.centre_mm /= double(nodes.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      // The body pulls with r at what holds the node.
+      Vec3d force(0);
+      for (int a = 0; a < 3; ++a) {
+        if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
+        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * kNPerMn;
+      }
+      reaction.force_n += force;
+      reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);
+    }
+    out.push_back(reaction);
+  }
+  return out;
 }
 
 }  // namespace supple

@@ -63,13 +63,23 @@ std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& ma
                                   const std::vector<double>& u_mm, FemQuantity quantity,
                                   StrainTheory theory = StrainTheory::linear);
 
-/// Largest angle of rotation and largest principal strain (by its amount) of all elements.
+/// Angles of rotation, and principal strains by their amount.
+struct MotionLimits {
+  double rotation_deg = 5, strain = 0.05;
+};
+/// The largest of all elements, where they are, and how many elements are beyond the limits.
 struct LargestMotion {
   double rotation_deg = 0, strain = 0;
+  Vec3i turned{0, 0, 0}, strained{0, 0, 0};  // voxels of the mesh
+  std::int64_t beyond = 0;
+
+  /// Over both sets of elements, or both times; of equal ones the first.
+  void take(const LargestMotion& other);
 };
 LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& material,
                              const std::vector<double>& u_mm,
-                             StrainTheory theory = StrainTheory::linear);
+                             StrainTheory theory = StrainTheory::linear,
+                             const MotionLimits& limits = {});
 
 /// Displacement of an element's centre in mm, LPS: the mean of its eight corners.
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,

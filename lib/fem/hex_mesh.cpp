@@ -12,10 +12,11 @@ namespace {
 constexpr int kAxisBit[3] = {4, 2, 1};
 
 /// One node per set of corners.
-void number_nodes(HexMesh& mesh, CornerSets& sets) {
+void number_nodes(HexMesh& mesh, CornerSets& sets, const Progress* progress) {
   NodeIndex nodes = 0;
   std::vector<Corners> corners(mesh.offset.size());
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
+    poll(progress);
     mesh.node_begin.push_back(nodes);
     const auto for_all_corners = [&](auto&& visit) {
       for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
@@ -74,7 +75,7 @@ std::size_t Coarsening::bytes() const {
          node_place.capacity();
 }
 
-HexMesh hex_mesh(const Body& body) {
+HexMesh hex_mesh(const Body& body, const Progress* progress) {
   const BrickTopology& elements = body.elements;
   if (elements.active_count() == 0 || elements.active_count() > kMostElements) {
     throw InputError({"", "finite elements", std::to_string(elements.active_count()) + " voxels",
@@ -90,7 +91,8 @@ HexMesh hex_mesh(const Body& body) {
                     [&](int offset) { mesh.offset.push_back(std::uint16_t(offset)); });
   }
   mesh.element_begin.push_back(mesh.element_count());
-  number_voxel_nodes(body, mesh);
+  poll(progress);
+  number_voxel_nodes(body, mesh, progress);
   return mesh;
 }
 
@@ -259,11 +261,13 @@ void join_common_corners(std::int32_t a, const Vec3i& cell_a, std::int32_t b, co
 /// Coarse elements around one node of the fine mesh share corners; each node notes the first.
 void join_around_nodes(const HexMesh& fine, const std::vector<std::int32_t>& parents,
                        const std::vector<Vec3i>& coarse_cells, std::vector<std::int32_t>& first_of,
-                       std::vector<std::uint8_t>& place_of, CornerSets& sets) {
+                       std::vector<std::uint8_t>& place_of, CornerSets& sets,
+                       const Progress* progress) {
   first_of.assign(fine.node_count(), -1);
   place_of.resize(fine.node_count());
   std::int32_t last_a = -1, last_b = -1;
   for (std::size_t block = 0; block < fine.block_count(); ++block) {
+    poll(progress);
     for (std::int32_t e = fine.element_begin[block]; e < fine.element_begin[block + 1]; ++e) {
       const std::int32_t parent = parents[e];
       const int place = place_in_parent(cell_of(fine, block, e));
@@ -304,7 +308,7 @@ Parents::Parents(std::vector<std::int32_t> parents, const std::vector<std::int32
   }
 }
 
-HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
+HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* progress) {
   HexMesh coarse;
   coarse.geometry = fine.geometry;
   coarse.level = fine.level + 1;
@@ -328,6 +332,7 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
   CellChildren children;
   std::vector<std::uint8_t> places;
   for (std::size_t block = 0; block < coarse.block_count(); ++block) {
+    poll(progress);
     coarse.element_begin.push_back(coarse.element_count());
     sort_into_cells(fine, children_of[block], children);
     places.resize(children.element.size());
@@ -349,7 +354,7 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
   coarse.element_begin.push_back(coarse.element_count());
   CornerSets sets(8 * coarse.offset.size());
   std::vector<std::int32_t> parents_of_nodes;
-  join_around_nodes(fine, parents, cells, parents_of_nodes, coarsening.node_place, sets);
+  join_around_nodes(fine, parents, cells, parents_of_nodes, coarsening.node_place, sets, progress);
   coarsening.first_element.resize(fine.block_count());
   for (std::size_t block = 0; block < coarse.block_count(); ++block) {
     for (const std::int32_t b : children_of[block]) {
@@ -359,7 +364,7 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening) {
   coarsening.parent = Parents(std::move(parents), fine.element_begin, coarsening.first_element);
   coarsening.node_parent =
       Parents(std::move(parents_of_nodes), fine.node_begin, coarsening.first_element);
-  number_nodes(coarse, sets);
+  number_nodes(coarse, sets, progress);
   return coarse;
 }
 

@@ -15,6 +15,7 @@
 #include "lib/body/body.h"
 #include "lib/body/slot_set.h"
 #include "lib/fem/node_tables.h"
+#include "volumes/base/progress.h"
 
 namespace supple {
 
@@ -51,6 +52,10 @@ struct HexMesh {
     return block;
   }
 
+  Vec3i cell_of(std::int32_t element) const {
+    return origin[block_of(element)] + brick_local(offset[std::size_t(element)]);
+  }
+
   /// Takes over the corners of all elements, once the other vectors are filled.
   void set_corners(const std::vector<Corners>& corners);
 
@@ -74,8 +79,9 @@ class OwnNodes {
   std::vector<std::pair<int, std::uint32_t>> m_nodes;  // place on the lattice, corner
 };
 
-/// One element per voxel; block b is brick b of the body.
-HexMesh hex_mesh(const Body& body);
+/// One element per voxel; block b is brick b of the body. Throws InputError for no elements or too
+/// many, Cancelled.
+HexMesh hex_mesh(const Body& body, const Progress* progress = nullptr);
 
 /// Coarse elements of the elements or nodes of a mesh. A block of the mesh lies in one coarse
 /// block, of which they are counted from the first: half the memory, unless one has more than
@@ -118,7 +124,7 @@ struct Coarsening {
 /// group of children that share no node; elements of neighbouring cells share the corners of their
 /// common face, edge or corner when any of their children share a node. So nodes of thin shells
 /// and on both sides of gaps stay apart on all levels.
-HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening);
+HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* progress = nullptr);
 
 /// The element of a cell of a block; -1 where there is none.
 std::int32_t element_at(const HexMesh& mesh, std::size_t block, int offset);

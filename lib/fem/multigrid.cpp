@@ -74,11 +74,11 @@ double element_bound(const VoxelMaterial& material) {
 
 }  // namespace
 
-MeshLevels::MeshLevels(HexMesh voxels) {
+MeshLevels::MeshLevels(HexMesh voxels, Progress* progress) {
   meshes.push_back(std::move(voxels));
   while (meshes.back().node_count() > kCoarsestNodes) {
     Coarsening coarsening;
-    HexMesh coarse = coarsen(meshes.back(), coarsening);
+    HexMesh coarse = coarsen(meshes.back(), coarsening, progress);
     // Pieces that do not become fewer are factorised as they are.
     if (coarse.node_count() > 0.8 * meshes.back().node_count()) break;
     coarsenings.push_back(std::move(coarsening));
@@ -141,6 +141,7 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
                      const VoxelMaterial& material, const HeldBits& held,
                      const SmootherParams& params, Progress* progress, int first)
     : m_params(params), m_levels(levels.coarsenings.size()) {
+  stage(progress, "multigrid");
   const std::vector<HexMesh>& meshes = levels.meshes;
   if (first == 0 && meshes.size() > 1) {
     m_pieces.emplace(fine, material, held, progress);
@@ -154,7 +155,7 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
   std::optional<CellMatrices> matrices;
   const std::size_t coarsest = meshes.size() - 1;
   for (std::size_t n = 0; n <= coarsest; ++n) {
-    poll(progress);
+    report(progress, double(n) / double(coarsest + 1));
     // The matrices of single elements, where they are needed.
     if (n == 0 && n == coarsest) {
       matrices = CellMatrices::of_voxels(meshes[0], material, held);

@@ -39,7 +39,8 @@ struct MeshLevels {
   std::vector<HexMesh> meshes;
   std::vector<Coarsening> coarsenings;  // one fewer
 
-  explicit MeshLevels(HexMesh voxels);
+  /// Throws Cancelled.
+  explicit MeshLevels(HexMesh voxels, Progress* progress = nullptr);
   std::size_t bytes() const;
 };
 

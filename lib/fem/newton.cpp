@@ -168,6 +168,15 @@ bool Newton::search_along(const std::vector<double>& d) {
   return false;
 }
 
+/// The parts of the load that are done, and of the one that is being corrected the decades of its
+/// residual.
+void Newton::tell(double tolerance, Progress* progress) {
+  const double reached = part_of_way(m_size, tolerance, 1);
+  const double part = m_report.load_part + reached * (m_part - m_report.load_part);
+  m_told_part = std::max(m_told_part, part);
+  supple::report(progress, m_told_part);
+}
+
 bool Newton::correct(bool is_last, Progress* progress) {
   m_report.residuals_mn.clear();
   for (int corrections = 0;; ++corrections) {
@@ -177,7 +186,7 @@ bool Newton::correct(bool is_last, Progress* progress) {
                                  : m_size.max <= kToleranceOnTheWay;
     if (is_done || m_size.largest_mn == 0) return true;
     if (corrections == kMostCorrections) return false;
-    poll(progress);
+    tell(is_last ? m_limits.tolerance : kToleranceOnTheWay, progress);
     // Quadratic convergence needs systems that are solved as well as the residual is small, and
     // none better than the tolerance needs.
     const double forcing = std::min(
@@ -215,7 +224,6 @@ bool Newton::run(Progress* progress) {
     m_report.load_part = m_part;
     m_report.smallest_j = m_energy.smallest_j;
     m_report.energy_uj = m_energy.energy_uj;
-    if (progress != nullptr) progress->update(m_part);
     const bool is_stuck = step < kShortestStep ||
                           m_report.load_steps + m_report.rejected_steps >= m_limits.max_load_steps;
     if (m_part < 1 && is_stuck) return false;

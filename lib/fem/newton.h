@@ -48,6 +48,7 @@ class Newton {
   bool evaluate();
   bool predict(double& part, Progress* progress);
   bool correct(bool is_last, Progress* progress);
+  void tell(double tolerance, Progress* progress);
   bool search_along(const std::vector<double>& d);
   std::vector<double> solve_tangent(const CgLimits& limits, Progress* progress, bool& found);
 
@@ -63,6 +64,7 @@ class Newton {
   StrainEnergy m_energy;
   std::vector<double> m_whole_mn;  // the loads' forces, or empty
   double m_part = 0;               // of the loads that acts now
+  double m_told_part = 0;
   std::vector<double> m_u, m_r;
   NodalLoads m_system_loads;  // of the linear systems
   ResidualMeter m_meter;

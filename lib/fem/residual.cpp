@@ -55,7 +55,19 @@ NodeNorms node_norms(const std::vector<double>& r, const HeldBits& held) {
   return sum;
 }
 
+/// A measure falls from 1 to its limit.
+double decades_done(double value, double limit) {
+  if (value <= limit) return 1;
+  return limit >= 1 ? 0 : std::clamp(std::log(value) / std::log(limit), 0.0, 1.0);
+}
+
 }  // namespace
+
+double part_of_way(const ResidualSize& size, double tolerance, double reaction_tolerance) {
+  const double residual = std::max({size.max, size.rms, size.balance});
+  return std::min(decades_done(residual, tolerance),
+                  decades_done(size.reaction_change, reaction_tolerance));
+}
 
 void set_to_forces(const NodalLoads& loads, std::vector<double>& r) {
   if (loads.force_mn.empty()) {

@@ -33,6 +33,10 @@ struct ResidualSize {
   }
 };
 
+/// How much of the way to these limits the residual has come, 0 to 1: the decades that are done, of
+/// the measure that has most of them left.
+double part_of_way(const ResidualSize& size, double tolerance, double reaction_tolerance);
+
 /// r = f.
 void set_to_forces(const NodalLoads& loads, std::vector<double>& r);
 

@@ -149,7 +149,7 @@ std::uint32_t referred(NodeIndex reference) {
 
 }  // namespace
 
-void number_voxel_nodes(const Body& body, HexMesh& mesh) {
+void number_voxel_nodes(const Body& body, HexMesh& mesh, const Progress* progress) {
   std::vector<Corners> corners(mesh.offset.size());
   mesh.node_begin.assign(mesh.block_count() + 1, 0);
   for_all_blocks(mesh, [&](std::size_t b) {
@@ -166,6 +166,7 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh) {
     }
     mesh.node_begin[b + 1] = own.number(corners, 0);
   });
+  poll(progress);
   for (std::size_t b = 0; b < mesh.block_count(); ++b) mesh.node_begin[b + 1] += mesh.node_begin[b];
   const auto for_all_corners = [&](auto&& visit) {
     for_all_blocks(mesh, [&](std::size_t b) {
@@ -181,6 +182,7 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh) {
   for_all_corners([&](NodeIndex& node, NodeIndex) {
     if (node < 0) node = corners[referred(node) / 8][referred(node) % 8];
   });
+  poll(progress);
   mesh.set_corners(corners);
 }
 

@@ -9,6 +9,6 @@
 namespace supple {
 
 /// Sets the corners and fills node_begin of a mesh whose elements and blocks are those of the body.
-void number_voxel_nodes(const Body& body, HexMesh& mesh);
+void number_voxel_nodes(const Body& body, HexMesh& mesh, const Progress* progress);
 
 }  // namespace supple

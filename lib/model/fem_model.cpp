@@ -72,7 +72,7 @@ void VoxelFemModel::move(const std::vector<Handle>& handles, int, Progress* prog
     HeldElements& held = m_loads.held.emplace_back(held_at_end(m_held.body, grip));
     if (m_refined) held.elements = m_refined->parts_of(held.elements, m_held.body.elements);
   }
-  m_solution = m_model.solve(m_loads, m_params, progress);
+  m_solution = m_model.solve(m_loads, m_params, progress, m_start.get());
   found.rest.anchored.add(found.grabbed);
   m_held.holds = std::move(found.rest);
 }

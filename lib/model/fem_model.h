@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -28,6 +29,8 @@ class VoxelFemModel final : public Model<Handle> {
                 const FemParams& params = {}, const Body* shape = nullptr, int halvings = 0,
                 Progress* progress = nullptr);
 
+  /// The next move begins from an earlier equilibrium, whose result differs within the tolerance.
+  void begin_from(std::shared_ptr<const NodeStart> start) { m_start = std::move(start); }
   /// Reactions are wanted of these elements, which earlier moves have left held.
   void tell_of(std::vector<SlotSet> elements) { m_told = std::move(elements); }
 
@@ -61,6 +64,7 @@ class VoxelFemModel final : public Model<Handle> {
   FemModel m_model;
   FemLoads m_loads;
   FemParams m_params;
+  std::shared_ptr<const NodeStart> m_start;
   std::vector<SlotSet> m_told;
   std::vector<FemGrip> m_grips;  // of the last move, in the order of its held elements
   FemSolution m_solution;

@@ -99,10 +99,19 @@ void warn_of_result(const FemStep& step, const FemRecord& record, Progress* prog
                        ", left where it was at rest");
   }
   if (report.beyond_linear) {
-    warn(progress, "finite elements: turns of up to " + number_text(report.largest_rotation_deg) +
-                       " degrees and strains of up to " + number_text(report.largest_strain) +
-                       " are beyond linear theory (" + number_text(step.params.max_rotation_deg) +
-                       " degrees, " + number_text(step.params.max_strain) + ")");
+    const int halvings = step.halvings;
+    const auto at = [&](const Vec3i& part) {
+      const Vec3i voxel(part.x >> halvings, part.y >> halvings, part.z >> halvings);
+      return " at voxel " + voxel_text(voxel);
+    };
+    std::string line = "finite elements: turns of up to " +
+                       number_text(report.largest_rotation_deg) + " degrees" + at(report.turned) +
+                       " and strains of up to " + number_text(report.largest_strain) +
+                       at(report.strained) + " are beyond linear theory (" +
+                       number_text(step.params.max_rotation_deg) + " degrees, " +
+                       number_text(step.params.max_strain) + ")";
+    if (!step.motion) line += " in " + with_count(report.beyond_elements, "element");
+    warn(progress, line);
   }
   if (record.links.violated > 0) {
     warn(progress, "finite elements left " + with_count(record.links.violated, "link") + " of " +
@@ -141,8 +150,14 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSoli
   VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
                       solid.body ? &*solid.body : nullptr, step.halvings, progress);
   model.tell_of(task.gripped);
+  const bool is_picture = step.params.accuracy == FemAccuracy::picture && step.halvings == 0;
+  if (is_picture) model.begin_from(task.start);
   model.move(handles, 1, progress);
   model.store();
+  if (is_picture) {
+    record.equilibrium = std::make_shared<const NodeStart>(model.displacement_mm().begin(),
+                                                           model.displacement_mm().end());
+  }
   record.report = model.report();
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
@@ -197,6 +212,8 @@ void move_in_time(const FemStep& step, const FemTask& task, const FemSolid& soli
   report.bytes = model.bytes();
   report.largest_rotation_deg = record.motion->largest.rotation_deg;
   report.largest_strain = record.motion->largest.strain;
+  report.turned = record.motion->largest.turned;
+  report.strained = record.motion->largest.strained;
   report.beyond_linear = report.largest_rotation_deg > step.params.max_rotation_deg ||
                          report.largest_strain > step.params.max_strain;
   record.reactions = model.reactions(task.gripped);
@@ -288,18 +305,25 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   return record;
 }
 
-Field strain_field(FemStep& step) {
-  return Field("strain", step.params.strain, {"linear", "finite"},
-               "Finite elements of small turns, or of any");
+Field accuracy_field(FemStep& step) {
+  return Field(
+      "accuracy", step.params.accuracy, {"exact", "picture"},
+      "Of finite elements: to the rounding of states, or of a picture, in a tenth of the time");
+}
+
+Fields option_fields(FemStep& step) {
+  return {accuracy_field(step), Field("strain", step.params.strain, {"linear", "finite"},
+                                      "Finite elements of small turns, or of any")};
 }
 
 Fields fields(FemStep& step) {
   FemParams& params = step.params;
   Fields of_scenes = {
-      Field("tolerance", params.tolerance, "Largest force left on a node, of the largest there is")
+      Field("tolerance", params.tolerance,
+            "Largest force left on a node, of the largest there is; 0.1 of a picture")
           .positive(),
       Field("reaction_tolerance", params.reaction_tolerance,
-            "Largest change of the reactions in the last iteration, relative")
+            "Largest change of the reactions in the last iteration, relative; 0.1 of a picture")
           .positive(),
       Field("max_iterations", params.max_iterations, "Of one linear system; more are an error")
           .range(1, 100000),
@@ -331,7 +355,7 @@ Fields fields(FemStep& step) {
           .range(0, kLargestPoisson),
   };
   for (Field& field : of_scenes) field.only_in_scenes();
-  Fields all = {strain_field(step)};
+  Fields all = option_fields(step);
   all.insert(all.end(), of_scenes.begin(), of_scenes.end());
   return all;
 }
@@ -357,6 +381,8 @@ Fields load_fields(FemLoad& load) {
 std::string settings_json(const FemStep& step) {
   FemStep copy = step;
   auto json = nlohmann::ordered_json::parse(fields_json(fields(copy)));
+  // Records of exact steps are as they were before there were others.
+  if (copy.params.accuracy == FemAccuracy::exact) json.erase("accuracy");
   if (copy.motion) {
     json["motion"] = nlohmann::ordered_json::parse(fields_json(fields(*copy.motion)));
     for (const Vec3i& voxel : copy.motion->watch) {

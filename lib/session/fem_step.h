@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,9 +55,11 @@ struct FemRecord {
   /// Free rigid pieces whose elements the nearest rigid pose replaced, and by how much at most.
   std::int64_t fitted_pieces = 0;
   double fitted_max_voxels = 0;
-  std::vector<StrainGauge> gauges;     // of the labels of the body
-  std::vector<ElementValues> values;   // of FemStep::wanted
-  FemNodes nodes;                      // where FemStep::keeps_nodes, until the next step
+  std::vector<StrainGauge> gauges;    // of the labels of the body
+  std::vector<ElementValues> values;  // of FemStep::wanted
+  FemNodes nodes;                     // where FemStep::keeps_nodes, until the next step
+  /// Of a picture: where a later one may begin, until then.
+  std::shared_ptr<const NodeStart> equilibrium;
   std::optional<ModesRecord> modes;    // of FemStep::modes; `report` then has sizes alone
   std::optional<MotionRecord> motion;  // of FemStep::motion; all else is as at its end
   double milliseconds = 0;
@@ -73,6 +76,7 @@ struct FemTask {
   const std::vector<SlotSet>& gripped;     // whose reactions are wanted
   const std::vector<PieceMotion>& pieces;  // that the handles move
   const FemNodes& nodes;                   // of the step before
+  std::shared_ptr<const NodeStart> start;  // of the last picture of this solid, or null
 };
 
 /// The key of a step that another one of it rules out; its file is empty.
@@ -91,8 +95,10 @@ void show_mode(int number, FemRecord& record, Body& body);
 
 /// Of `fem = { … }` in a scene, but for its loads, modes and motion.
 Fields fields(FemStep& step);
-/// The one of these that is an option of the command line, too.
-Field strain_field(FemStep& step);
+/// The first of these, which chooses the defaults of others.
+Field accuracy_field(FemStep& step);
+/// Those of them that are options of the command line, too.
+Fields option_fields(FemStep& step);
 /// Of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
 Fields load_fields(FemLoad& load);
 /// As a journal records it: JSON.

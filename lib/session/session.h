@@ -207,7 +207,9 @@ class Session {
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // elements that earlier steps dragged
   HandleLedger m_ledger;          // the handles that did
-  RelaxParams m_relaxed_by;       // of the relaxation that the body rests under, if any
+  /// Of the last finite elements for a picture, while their solid is the same.
+  std::shared_ptr<const NodeStart> m_equilibrium;
+  RelaxParams m_relaxed_by;  // of the relaxation that the body rests under, if any
   std::vector<StepRecord> m_records;
   std::vector<std::string> m_messages;
   bool m_keeps_undo;

@@ -31,6 +31,8 @@ struct Session::Before {
   RelaxParams relaxed_by;
   std::shared_ptr<const MaterialBefore> material;  // before it changes
   FemNodes handed_over;                            // by the record of the step before
+  /// Where the step has replaced it.
+  std::optional<std::shared_ptr<const NodeStart>> equilibrium;
   /// Before elements are removed: all else of the state and the body.
   std::shared_ptr<std::pair<State, Body>> whole;
 

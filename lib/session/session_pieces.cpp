@@ -88,6 +88,8 @@ void Session::change_material(const MaterialTable& material, Progress* progress)
 
 /// Material, cuts, removals and new pieces come before anything that moves.
 void Session::prepare_body(StepRecord& record, Progress* progress) {
+  const bool is_another = record.material || !record.cuts.empty() || !record.remove.empty();
+  if (is_another || !record.rigid.empty()) m_equilibrium.reset();
   if (record.material) change_material(*record.material, progress);
   cut_body(record, progress);
   if (!record.remove.empty()) remove_parts(record, progress);

@@ -22,6 +22,7 @@ std::size_t Session::Before::bytes() const {
     total += (holds.at_least[c].size() + holds.at_most[c].size()) * sizeof(Bound);
   }
   for (const SlotSet& held : ledger.elements()) total += bytes_of(held);
+  if (equilibrium && *equilibrium) total += (*equilibrium)->size() * sizeof(float);
   return total + (handed_over.u_mm.size() + handed_over.v_mm_s.size()) * sizeof(double) +
          handed_over.elements_mm.size() * sizeof(Vec3d);
 }
@@ -45,6 +46,7 @@ Session::Before Session::before(const StepRequest& request) {
                              m_material, m_state.material_toml, m_body.classes, m_body.slacks})
                        : nullptr,
       {},
+      m_equilibrium,
       request.remove.empty() ? nullptr : std::make_shared<std::pair<State, Body>>(m_state, m_body)};
 }
 
@@ -80,6 +82,7 @@ void Session::restore(Before&& before) {
   m_holds = std::move(before.holds);
   m_ledger = std::move(before.ledger);
   m_relaxed_by = before.relaxed_by;
+  if (before.equilibrium) m_equilibrium = std::move(*before.equilibrium);
   find_anchors();
 }
 
@@ -94,6 +97,7 @@ void Session::keep(Before&& before) {
   }
   if (!before.whole && *before.cuts == m_body.cuts) before.cuts.reset();
   if (!before.whole && *before.state_cuts == m_state.cuts) before.state_cuts.reset();
+  if (*before.equilibrium == m_equilibrium) before.equilibrium.reset();
   m_undo_bytes += before.bytes();
   m_undo.push_back(std::move(before));
   while (m_undo.size() > 1 && m_undo_bytes > kMostUndoBytes) {

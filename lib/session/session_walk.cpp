@@ -153,8 +153,10 @@ void Session::move(StepRecord& record, Progress* progress) {
     static const FemNodes none;
     const FemNodes& nodes = m_records.empty() ? none : m_records.back().equilibrium.nodes;
     record.equilibrium = move_by_fem(
-        *record.fem, {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes},
+        *record.fem,
+        {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes, m_equilibrium},
         handles, progress);
+    if (record.equilibrium.equilibrium) m_equilibrium = std::move(record.equilibrium.equilibrium);
     if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
     m_relaxed_by = {};
     forget_shifts();

@@ -130,8 +130,12 @@ class ShiftedInverse {
   using Scalar = double;
 
   ShiftedInverse(Vibration& of, const std::vector<VibrationMode>& known, const ModeParams& params,
-                 Progress* progress)
-      : m_of(&of), m_known(&known), m_params(&params), m_progress(progress) {}
+                 double expected, Progress* progress)
+      : m_of(&of),
+        m_known(&known),
+        m_params(&params),
+        m_expected(of.report.solutions + expected),
+        m_progress(progress) {}
 
   Eigen::Index rows() const { return Eigen::Index(m_of->size()); }
   Eigen::Index cols() const { return rows(); }
@@ -149,6 +153,8 @@ class ShiftedInverse {
     const bool converged = solver.run(m_progress);
     ModesReport& report = m_of->report;
     ++report.solutions;
+    // A solver that begins once solves for as many vectors as it has.
+    supple::report(m_progress, std::min(1.0, double(report.solutions) / m_expected));
     report.iterations += solver.iterations();
     report.bytes = std::max(report.bytes, solver.bytes());
     if (!converged) throw NotConverged(as_fem_report(solver));
@@ -182,6 +188,7 @@ class ShiftedInverse {
   Vibration* m_of;
   const std::vector<VibrationMode>* m_known;
   const ModeParams* m_params;
+  double m_expected;  // solutions, these and earlier ones
   Progress* m_progress;
   mutable std::vector<double> m_scratch;
 };
@@ -226,10 +233,10 @@ VibrationMode mode_of_shape(const Vibration& of, Vector shape) {
 std::vector<VibrationMode> find_modes(Vibration& of, const std::vector<VibrationMode>& known,
                                       int count, double tolerance, std::int64_t free_dimensions,
                                       const ModeParams& params, Progress* progress) {
-  ShiftedInverse inverse(of, known, params, progress);
   const Eigen::Index vectors =
       std::min(Eigen::Index(free_dimensions),
                count == 1 ? kCheckVectors : std::max<Eigen::Index>(kLeastVectors, 2 * count + 1));
+  ShiftedInverse inverse(of, known, params, double(vectors), progress);
   Spectra::SymGEigsShiftSolver<ShiftedInverse, FreeMass, Spectra::GEigsMode::ShiftInvert> solver(
       inverse, of.mass, count, vectors, -of.shift_per_s2);
   Vector start = start_vector(of.held, std::uint32_t(known.size()) + 1);
@@ -342,8 +349,8 @@ VibrationModes lowest_modes(const FemModel& model, const MassDensities& density,
   report.nodes = model.mesh().node_count();
   HeldBits bits = held_bits(model, held, params.loose, report);
   for (const std::uint8_t of : bits) report.unknowns += 3 - __builtin_popcount(of);
-  stage(progress, "modes");
   Vibration vibration(model, density, std::move(bits), report, progress);
+  stage(progress, "modes");
   const std::int64_t free_dimensions = report.unknowns - report.rigid_modes;
   if (2 * params.count > free_dimensions) {
     throw InputError({"", "count", std::to_string(params.count),

@@ -113,8 +113,7 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
     sample.energy = model.motion().energy();
     sample.largest_mm = largest_length(u);
     const LargestMotion largest = largest_motion(mesh, model.solid().material(), u);
-    record.largest.rotation_deg = std::max(record.largest.rotation_deg, largest.rotation_deg);
-    record.largest.strain = std::max(record.largest.strain, largest.strain);
+    record.largest.take(largest);
     for (const std::int32_t e : watched)
       sample.watched_mm.push_back(centre_displacement(mesh, u, e));
     for (const FemReaction& reaction : model.reactions(gripped)) {
