@@ -273,7 +273,7 @@ Command add_deform(CLI::App& program) {
   scene.add("step", fields(settings));
   scene.add("step.relax", fields(relax), "relax-");
   scene.add("step.springs", fields(springs), "springs-");
-  scene.add("step.fem", {strain_field(fem)});
+  scene.add("step.fem", option_fields(fem));
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
                   "A shape that springs meet, as in scenes: "

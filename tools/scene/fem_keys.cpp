@@ -23,6 +23,8 @@ GivenLoad read_load(TomlTable& table, LoadKind kind, const LabelNames& names) {
 
 GivenFem read_fem(TomlTable& table, const LabelNames& names) {
   GivenFem given;
+  table.read({accuracy_field(given.step)});
+  given.step.params.set_accuracy(given.step.params.accuracy);
   table.read(fields(given.step));
   for (const LoadKind kind : {LoadKind::force, LoadKind::pressure, LoadKind::swelling}) {
     for (TomlTable& load : table.table_or_tables(std::string(name_of(kind)) + "s")) {
