@@ -3,8 +3,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 
+#include "tools/plan/model_plan.h"
 #include "tools/plan/plan_ledger.h"
 #include "tools/scene/run_step.h"
 #include "volumes/grid/labels.h"
@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kFractionBytes = 2, kFlowBytes = 4;   // kept, the second where tissue flows
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
-// Of bodies that no cache holds, in that of the small one of a calibration: of relaxation, where
-// cells keep their volume, and of finite elements.
-constexpr double kBeyondCaches = 1.6, kVolumeBeyondCaches = 2.6, kFemBeyondCaches = 2;
+// Of bodies that no cache holds, in that of the small one of a calibration: of relaxation, and
+// where cells keep their volume.
+constexpr double kBeyondCaches = 1.6, kVolumeBeyondCaches = 2.6;
 constexpr double kRelaxStartNs = 80;  // per element of the body
 // Passes that take a relaxation one brick further; a budget ends it while it still spreads.
 constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
@@ -28,28 +28,6 @@ constexpr double kJointSides = 2, kJointPart = 0.25;
 /// Voxels from a cut link in which bricks are split (cut_inversion.cpp).
 constexpr int kSplitRings = 3;
 constexpr double kPieceNs = 700;  // to find rigid pieces, per element
-/// Per element: of the springs with their cells, and of their matrix beside them; of both in one
-/// slice.
-constexpr double kSpringBytes = 670, kSpringMatrixBytes = 410, kSpringBytesInSlice = 456;
-constexpr double kSpringsOfElement = 8.7, kSpringsInSlice = 4;
-/// In steps of the calibration, per spring: to set it up, a step to a minimum, and a step of time;
-/// how many times as long that takes where shapes press.
-constexpr double kSpringStart = 0.35, kDownWork = 0.2, kMotionWork = 1.35, kContactWork = 5;
-constexpr double kMinimumSteps = 40;      // that a minimum of springs takes, of those that it may
-constexpr double kFemBytes = 58;          // per unknown
-constexpr double kFiniteBytes = 70;       // more, at finite strain
-constexpr double kModeBytes = 16;         // more, of every mode
-constexpr double kLanczosBytes = 8;       // more, of every vector that modes are found from
-constexpr double kMotionBytes = 200;      // more, with mass, damping and what moves
-constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
-/// Of an equilibrium, for every decade of the residual: usually, and beside rigid pieces or tissue
-/// that many times as stiff.
-constexpr double kIterations = 5, kHardIterations = 13, kLargeContrast = 1000;
-/// Of elements that are twice as large, in those of voxels.
-constexpr double kCoarsePart = 0.25;
-constexpr double kNewtonSystems = 5;
-/// Of the iterations of an equilibrium, those of a step of time; equilibria of a mode.
-constexpr double kMotionPart = 0.13, kModeSystems = 1.1;
 
 std::string axis_name(int coordinate) {
   return std::string(1, "ijk"[coordinate]);
@@ -98,21 +76,6 @@ void grow(std::vector<std::uint8_t>& bricks, const BrickTopology& elements) {
   }
 }
 
-/// Of the stiffest tissue to the softest that the material may make.
-double contrast_of(const MaterialTable& material) {
-  double least = std::numeric_limits<double>::infinity(), most = 0;
-  const auto take = [&](const LimitTable& table) {
-    if (!table.stiffness) return;
-    for (const auto& [density, kpa] : table.stiffness->keys) {
-      least = std::min(least, kpa);
-      most = std::max(most, kpa);
-    }
-  };
-  take(material);
-  for (const auto& [label, table] : material.labels) take(table);
-  return most > 0 ? most / least : 1;
-}
-
 /// One step while its rows are made.
 class StepPlan {
  public:
@@ -140,9 +103,7 @@ class StepPlan {
   void pieces();
   MovedBricks drag(const MovedBricks& before);
   void relax(MovedBricks& moved);
-  void springs();
-  double fixed() const;
-  void finite_elements();
+  void whole_body();
 
   std::string m_stage;
   int m_links;
@@ -279,62 +240,9 @@ void StepPlan::relax(MovedBricks& moved) {
       ns * passes + elements() * kRelaxStartNs);
 }
 
-void StepPlan::springs() {
-  const SpringStep& springs = *m_request.springs;
-  const double most = springs.is_motion() ? springs.motion_steps() : springs.most_steps;
-  const double steps = springs.is_motion() ? most : std::min(most, kMinimumSteps);
-  const bool is_slice = m_session.geometry().dims().z == 1;
-  const double count = elements() * (is_slice ? kSpringsInSlice : kSpringsOfElement);
-  const bool has_matrix =
-      springs.motion.minimise || springs.motion.method == SpringMethod::implicit;
-  const double bytes = is_slice     ? kSpringBytesInSlice
-                       : has_matrix ? kSpringBytes + kSpringMatrixBytes
-                                    : kSpringBytes;
-  const double work =
-      springs.is_motion() ? kMotionWork * (springs.contacts.empty() ? 1 : kContactWork) : kDownWork;
-  add(count_text(count, "springs") + (springs.is_motion() ? ", " : ", some ") +
-          count_text(steps, "steps"),
-      "the step moves the body by springs", 0, elements() * bytes,
-      count * (kSpringStart + steps * work) * m_costs.spring);
-}
-
-/// Elements of the fixed boxes.
-double StepPlan::fixed() const {
-  double count = 0;
-  for (const IndexBox& box : m_request.fix) {
-    count += double(elements_of(m_session.body(), Region(box), "fix").size());
-  }
-  return count;
-}
-
-void StepPlan::finite_elements() {
-  const bool is_slice = m_session.geometry().dims().z == 1;
-  const double parts = std::pow(8, m_request.fem->halvings);
-  const double all = 3 * elements() * parts * (is_slice ? 2.1 : kNodesOfElement);
-  const double unknowns = all * std::max(0.0, 1 - fixed() / elements());
-  const FemParams& params = m_request.fem->params;
-  const bool is_finite = params.strain == StrainTheory::finite;
-  const std::optional<MotionStep>& motion = m_request.fem->motion;
-  const double systems = m_request.fem->modes ? m_request.fem->modes->count * kModeSystems
-                         : is_finite          ? kNewtonSystems
-                         : motion             ? motion->steps() * kMotionPart
-                                              : 1;
-  const bool is_hard = !m_request.rigid.empty() || !m_session.body().rigid.empty() ||
-                       contrast_of(m_session.material()) >= kLargeContrast;
-  const double decades = std::max(1.0, -std::log10(params.tolerance));
-  const double iterations = systems * decades * (is_hard ? kHardIterations : kIterations) *
-                            std::pow(kCoarsePart, params.doublings);
-  double more = 0;
-  if (const std::optional<ModeStep>& modes = m_request.fem->modes) {
-    more = kModeBytes * modes->count + kLanczosBytes * std::max(20, 2 * modes->count + 1);
-  } else if (motion) {
-    more = kMotionBytes;
-  } else if (is_finite) {
-    more = kFiniteBytes;
-  }
-  add(count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
-      "the step moves the body by finite elements", 0, all * (kFemBytes + more),
-      fem_work(unknowns, iterations) * kFemBeyondCaches * m_costs.fem_unknown);
+void StepPlan::whole_body() {
+  const ModelPlan model = plan_model(m_request, m_session, m_costs);
+  add(model.what, model.why, 0, model.bytes, model.seconds * 1e9);
 }
 
 MovedBricks StepPlan::plan(const MovedBricks& before) {
@@ -343,11 +251,7 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
   pieces();
   if (m_request.springs || m_request.fem) {
     move_all(moved, m_request.fem ? "finite elements move every node" : "springs move every node");
-    if (m_request.fem) {
-      finite_elements();
-    } else {
-      springs();
-    }
+    whole_body();
   } else {
     moved.add(drag(before));
     relax(moved);
