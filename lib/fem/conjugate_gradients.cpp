@@ -41,7 +41,7 @@ bool ConjugateGradients::is_converged() const {
 }
 
 /// z = B r in single precision, scaled so that neither large nor small forces leave its range.
-void ConjugateGradients::precondition() {
+void ConjugateGradients::precondition(const Progress* progress) {
   const double scale = m_size.largest_mn > 0 ? 1 / m_size.largest_mn : 1;
   float* r = m_shared.first();
   for_ranges(m_r.size(), [&](std::size_t begin, std::size_t end) {
@@ -50,7 +50,7 @@ void ConjugateGradients::precondition() {
       r[n] = is_held ? 0.0f : float(m_r[n] * scale);
     }
   });
-  m_system->precondition(r, m_shared.second());
+  m_system->precondition(r, m_shared.second(), progress);
 }
 
 /// One step; false where rounding leaves no descent.
@@ -97,7 +97,7 @@ bool ConjugateGradients::run(const Progress* progress, Progress* told) {
     bool is_first = true;
     while (m_iterations < m_limits.max_iterations) {
       poll(progress);
-      precondition();
+      precondition(progress);
       if (!iterate(is_first)) break;
       is_first = false;
       ++m_iterations;

@@ -26,8 +26,9 @@ class LinearSystem {
   virtual void add(const float* x, double* y) const = 0;
   /// y -= K x.
   virtual void subtract(const double* x, double* y) const = 0;
-  /// z = B r; `r` is used up. Its held components are 0, and those of z are to be.
-  virtual void precondition(float* r, float* z) = 0;
+  /// z = B r; `r` is used up. Its held components are 0, and those of z are to be. Throws
+  /// Cancelled.
+  virtual void precondition(float* r, float* z, const Progress* progress) = 0;
 };
 
 /// Where iterations end.
@@ -60,7 +61,7 @@ class ConjugateGradients {
 
  private:
   void compute_residual();
-  void precondition();
+  void precondition(const Progress* progress);
   bool iterate(bool is_first);
   bool is_converged() const;
   void tell(Progress* told);

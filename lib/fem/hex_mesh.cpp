@@ -10,6 +10,8 @@ namespace supple {
 namespace {
 
 constexpr int kAxisBit[3] = {4, 2, 1};
+/// Levels end there: the factorisation of so many nodes takes some 100 ms.
+constexpr NodeIndex kCoarsestNodes = 600;
 
 /// One node per set of corners.
 void number_nodes(HexMesh& mesh, CornerSets& sets, const Progress* progress) {
@@ -366,6 +368,25 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* pro
       Parents(std::move(parents_of_nodes), fine.node_begin, coarsening.first_element);
   number_nodes(coarse, sets, progress);
   return coarse;
+}
+
+MeshLevels::MeshLevels(HexMesh voxels, Progress* progress) {
+  meshes.push_back(std::move(voxels));
+  while (meshes.back().node_count() > kCoarsestNodes) {
+    Coarsening coarsening;
+    HexMesh coarse = coarsen(meshes.back(), coarsening, progress);
+    // Pieces that do not become fewer are factorised as they are.
+    if (coarse.node_count() > 0.8 * meshes.back().node_count()) break;
+    coarsenings.push_back(std::move(coarsening));
+    meshes.push_back(std::move(coarse));
+  }
+}
+
+std::size_t MeshLevels::bytes() const {
+  std::size_t sum = 0;
+  for (const HexMesh& mesh : meshes) sum += mesh.bytes();
+  for (const Coarsening& coarsening : coarsenings) sum += coarsening.bytes();
+  return sum;
 }
 
 }  // namespace supple

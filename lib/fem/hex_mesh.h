@@ -126,6 +126,16 @@ struct Coarsening {
 /// and on both sides of gaps stay apart on all levels.
 HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* progress = nullptr);
 
+/// Meshes of all levels, finest first, and how each lies in the next.
+struct MeshLevels {
+  std::vector<HexMesh> meshes;
+  std::vector<Coarsening> coarsenings;  // one fewer
+
+  /// Throws Cancelled.
+  explicit MeshLevels(HexMesh voxels, Progress* progress = nullptr);
+  std::size_t bytes() const;
+};
+
 /// The element of a cell of a block; -1 where there is none.
 std::int32_t element_at(const HexMesh& mesh, std::size_t block, int offset);
 

@@ -13,8 +13,6 @@ namespace supple {
 
 namespace {
 
-/// The factorisation of so many nodes takes some 100 ms.
-constexpr NodeIndex kCoarsestNodes = 600;
 /// Steps of conjugate gradients on the finest level of the K-cycle, and on those below it.
 constexpr std::size_t kKrylovLevel = 2;
 constexpr int kKrylovSteps = 4, kDeeperKrylovSteps = 2;
@@ -73,25 +71,6 @@ double element_bound(const VoxelMaterial& material) {
 }
 
 }  // namespace
-
-MeshLevels::MeshLevels(HexMesh voxels, Progress* progress) {
-  meshes.push_back(std::move(voxels));
-  while (meshes.back().node_count() > kCoarsestNodes) {
-    Coarsening coarsening;
-    HexMesh coarse = coarsen(meshes.back(), coarsening, progress);
-    // Pieces that do not become fewer are factorised as they are.
-    if (coarse.node_count() > 0.8 * meshes.back().node_count()) break;
-    coarsenings.push_back(std::move(coarsening));
-    meshes.push_back(std::move(coarse));
-  }
-}
-
-std::size_t MeshLevels::bytes() const {
-  std::size_t sum = 0;
-  for (const HexMesh& mesh : meshes) sum += mesh.bytes();
-  for (const Coarsening& coarsening : coarsenings) sum += coarsening.bytes();
-  return sum;
-}
 
 void Multigrid::Level::subtract(const float* x, float* y) const {
   if (free) {
@@ -215,7 +194,8 @@ std::size_t Multigrid::bytes() const {
   return sum;
 }
 
-void Multigrid::cycle(float* r, float* z) {
+void Multigrid::cycle(float* r, float* z, const Progress* progress) {
+  m_polled = progress;
   if (!m_pieces) {
     cycle_from(0, r, z);
     return;
@@ -290,8 +270,8 @@ void Multigrid::solve_from(std::size_t number, float* r, float* z) {
 }
 
 /// z = K^-1 r by steps of flexible conjugate gradients, each with one cycle; how many they were.
-int Multigrid::take_steps(std::size_t number, int most_steps, double tolerance, float* r, float* z,
-                          const Progress* progress) {
+int Multigrid::take_steps(std::size_t number, int most_steps, double tolerance, float* r,
+                          float* z) {
   Level& level = m_levels[number];
   const std::size_t count = level.unknowns();
   float *rest = level.rest.data(), *sum = level.sum.data(), *p = level.p.data(),
@@ -302,7 +282,7 @@ int Multigrid::take_steps(std::size_t number, int most_steps, double tolerance, 
   double p_q = 0;
   int step = 0;
   for (; step < most_steps; ++step) {
-    poll(progress);
+    poll(m_polled);
     if (tolerance > 0 && dot(rest, rest, count) <= enough) break;
     if (step > 0) std::copy_n(rest, count, r);
     cycle_from(number, r, z);
@@ -344,9 +324,10 @@ const std::vector<float>& Multigrid::restrict_to(int level, const float* r) {
 }
 
 int Multigrid::solve_at(int level, double tolerance, int most_steps, const Progress* progress) {
+  m_polled = progress;
   const auto number = std::size_t(level);
   float *r = forces_of(number).data(), *z = displacements_of(number).data();
-  if (number < m_levels.size()) return take_steps(number, most_steps, tolerance, r, z, progress);
+  if (number < m_levels.size()) return take_steps(number, most_steps, tolerance, r, z);
   m_coarsest->solve(r, z);
   return 1;
 }
@@ -364,6 +345,7 @@ void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
   ChebyshevSteps chebyshev(level.largest_eigenvalue, m_params.range);
   const ShortFloat* inverse = level.inverse_diagonal.data();
   for (int n = 0; n < m_params.degree; ++n, chebyshev.advance()) {
+    poll(m_polled);
     const bool starts = n == 0, overwrites = starts && is_first;
     const float keep = chebyshev.keep(), step = chebyshev.step();
     for_ranges(level.unknowns(), [&](std::size_t begin, std::size_t end) {
@@ -388,6 +370,7 @@ void Multigrid::smooth_thin(bool is_first, float* r) {
   float* d = level.d.data();
   if (is_first) std::fill(m_thin_z.begin(), m_thin_z.end(), 0.0f);
   for (int n = 0; n < m_thin_steps; ++n, chebyshev.advance()) {
+    poll(m_polled);
     const float keep = chebyshev.keep(), step = chebyshev.step();
     for_thin([&](std::size_t thin, std::size_t i) {
       d[i] = keep * d[i] + step * inverse[i] * r[i];

@@ -34,16 +34,6 @@
 
 namespace supple {
 
-/// Meshes of all levels, finest first, and how each lies in the next.
-struct MeshLevels {
-  std::vector<HexMesh> meshes;
-  std::vector<Coarsening> coarsenings;  // one fewer
-
-  /// Throws Cancelled.
-  explicit MeshLevels(HexMesh voxels, Progress* progress = nullptr);
-  std::size_t bytes() const;
-};
-
 /// The defaults are the best of degrees 2 to 4 and ranges 4 to 25 over a cube (nu = 0.3, 0.45), a
 /// stiff shell and 30 % stiff voxels: about the time of degree 2, with a fifth fewer iterations.
 struct SmootherParams {
@@ -61,7 +51,7 @@ class Multigrid {
 
   /// z = B r, r three values per node of the voxels; held components of r do not count, those of z
   /// are 0. `r` is used up. What pieces of thin parts can do is exact: B K z = z for their motions.
-  void cycle(float* r, float* z);
+  void cycle(float* r, float* z, const Progress* progress = nullptr);
 
   /// The equations of one level from 1 on, whose displacements are those that its mesh can have:
   /// first the forces r of the voxels' nodes, of which it returns those of the level's nodes until
@@ -96,8 +86,7 @@ class Multigrid {
   void invert_diagonal(Level& level, const std::vector<float>& diagonal, const HeldBits* held);
   void cycle_from(std::size_t level, float* r, float* z);
   void solve_from(std::size_t level, float* r, float* z);
-  int take_steps(std::size_t level, int most_steps, double tolerance, float* r, float* z,
-                 const Progress* progress = nullptr);
+  int take_steps(std::size_t level, int most_steps, double tolerance, float* r, float* z);
   std::vector<float>& forces_of(std::size_t level);
   std::vector<float>& displacements_of(std::size_t level);
   void smooth(Level& level, bool is_first, float* r, float* z) const;
@@ -106,6 +95,7 @@ class Multigrid {
   void for_thin(Visit&& visit) const;
 
   SmootherParams m_params;
+  const Progress* m_polled = nullptr;  // of the cycle or solution that runs
   std::optional<ThinPieces> m_pieces;
   int m_thin_steps = 0;
   double m_thin_eigenvalue = 0;

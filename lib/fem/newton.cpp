@@ -43,9 +43,9 @@ class TangentSystem final : public LinearSystem {
   void subtract(const double* x, double* y) const override {
     m_strain.subtract_tangent(m_u.data(), x, y);
   }
-  void precondition(float* r, float* z) override {
+  void precondition(float* r, float* z, const Progress* progress) override {
     m_turns.turn_back(r);
-    m_multigrid.cycle(r, z);
+    m_multigrid.cycle(r, z, progress);
     m_turns.turn(z);
   }
 

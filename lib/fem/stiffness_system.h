@@ -15,7 +15,9 @@ class StiffnessSystem final : public LinearSystem {
 
   void add(const float* x, double* y) const override { m_stiffness.add(x, y); }
   void subtract(const double* x, double* y) const override { m_stiffness.subtract(x, y); }
-  void precondition(float* r, float* z) override { m_multigrid.cycle(r, z); }
+  void precondition(float* r, float* z, const Progress* progress) override {
+    m_multigrid.cycle(r, z, progress);
+  }
 
  private:
   const HexOperator& m_stiffness;

@@ -111,7 +111,7 @@ bool SpringMotion::step_on(const Progress* progress) {
 }
 
 bool SpringMotion::step_down(const Progress* progress) {
-  if (!m_minimiser) m_minimiser = std::make_unique<Minimiser>(m_system);
+  if (!m_minimiser) m_minimiser = std::make_unique<Minimiser>(m_system, progress);
   if (m_minimiser->residual_mn() <= m_params.tolerance_mn) return false;
   const bool descends = m_minimiser->step(progress);
   return descends && m_minimiser->residual_mn() > m_params.tolerance_mn;

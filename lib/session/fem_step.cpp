@@ -99,10 +99,8 @@ void warn_of_result(const FemStep& step, const FemRecord& record, Progress* prog
                        ", left where it was at rest");
   }
   if (report.beyond_linear) {
-    const int halvings = step.halvings;
-    const auto at = [&](const Vec3i& part) {
-      const Vec3i voxel(part.x >> halvings, part.y >> halvings, part.z >> halvings);
-      return " at voxel " + voxel_text(voxel);
+    const auto at = [n = step.halvings](const Vec3i& part) {
+      return " at voxel " + voxel_text({part.x >> n, part.y >> n, part.z >> n});
     };
     std::string line = "finite elements: turns of up to " +
                        number_text(report.largest_rotation_deg) + " degrees" + at(report.turned) +

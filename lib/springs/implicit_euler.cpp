@@ -36,8 +36,8 @@ DampedSpring damped(const Spring& s, const std::vector<Vec3d>& start,
 
 }  // namespace
 
-ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params)
-    : SpringIntegrator(system), m_params(params), m_matrix(system, m_is_held) {
+ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params, const Progress* progress)
+    : SpringIntegrator(system), m_params(params), m_matrix(system, m_is_held, progress) {
   if (params.newton_steps < 1 || params.newton_steps_bounded < 1 || !(params.tolerance_mn >= 0) ||
       !(params.relative_tolerance >= 0)) {
     throw InputError({"", "implicit Euler",
@@ -72,7 +72,7 @@ void ImplicitEuler::rub(double dt_s) {
     sliding.push_back({p.node, p.normal, slip, collider.friction * p.force_mn});
   }
   if (sliding.empty()) return;
-  m_matrix.assemble(m_system, mass_factor(dt_s), 1 / dt_s, m_start);
+  m_matrix.assemble(m_system, mass_factor(dt_s), 1 / dt_s, m_start, progress());
   m_matrix.take_back(sliding);
   for (const SlidingNode& node : sliding) m_system.pos_mm[node.node] += node.back_mm;
 }
@@ -82,9 +82,11 @@ double ImplicitEuler::mass_factor(double dt_s) const {
 }
 
 double ImplicitEuler::descent(double dt_s, SpringStepReport& report) {
-  report.without_direction = forces_mn(m_system, m_force, Damping::without);
+  report.without_direction = forces_mn(m_system, m_force, Damping::without, progress());
   const double alpha = m_system.mass_damping_per_s;
-  for (const Spring& s : m_system.springs) {
+  for (std::size_t n = 0; n < m_system.springs.size(); ++n) {
+    if (n % kSpringsPerPoll == 0) poll(progress());
+    const Spring& s = m_system.springs[n];
     if (s.damping_n_s_m == 0) continue;
     const DampedSpring spring = damped(s, m_start, m_system.pos_mm);
     const Vec3d pull = spring.along * (s.damping_n_s_m * spring.apart_mm / dt_s);
@@ -116,7 +118,9 @@ double ImplicitEuler::potential(double dt_s) const {
            (off.length2() / (2 * dt_s * dt_s) + alpha * moved.length2() / (2 * dt_s) -
             m_system.gravity_m_s2.dot(moved) * kMmPerM);
   }
-  for (const Spring& s : m_system.springs) {
+  for (std::size_t n = 0; n < m_system.springs.size(); ++n) {
+    if (n % kSpringsPerPoll == 0) poll(progress());
+    const Spring& s = m_system.springs[n];
     const double stretch =
         std::sqrt((m_system.pos_mm[s.b] - m_system.pos_mm[s.a]).length2()) - s.rest_mm;
     sum += 0.5 * s.stiffness_n_m * stretch * stretch;
@@ -145,7 +149,8 @@ SpringStepReport ImplicitEuler::advance(double dt_s) {
   double phi = potential(dt_s);
   while (report.iterations < most_steps() && residual > tolerance) {
     poll(progress());
-    if (!m_matrix.factorise(m_system, mass_factor(dt_s), 1 / dt_s, m_start, m_pressed)) {
+    if (!m_matrix.factorise(m_system, mass_factor(dt_s), 1 / dt_s, m_start, m_pressed,
+                            progress())) {
       throw InputError({"", "implicit Euler", "a matrix that is not positive definite",
                         "masses and stiffnesses whose ratio a double can hold"});
     }

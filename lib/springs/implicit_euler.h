@@ -29,9 +29,10 @@ class ImplicitEuler final : public SpringIntegrator {
     double relative_tolerance = 1e-3;
     double tolerance_mn = 0;
   };
-  /// Throws InputError as validate(system) and for parameters out of range.
-  ImplicitEuler(SpringSystem& system, const Params& params);
-  explicit ImplicitEuler(SpringSystem& system) : ImplicitEuler(system, Params()) {}
+  /// Throws InputError as validate(system) and for parameters out of range, Cancelled.
+  ImplicitEuler(SpringSystem& system, const Params& params, const Progress* progress = nullptr);
+  explicit ImplicitEuler(SpringSystem& system, const Progress* progress = nullptr)
+      : ImplicitEuler(system, Params(), progress) {}
 
   std::size_t bytes() const { return m_matrix.bytes(); }
 

@@ -31,7 +31,7 @@ std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSys
     case SpringMethod::symplectic:
       return std::make_unique<SymplecticEuler>(system, progress);
     case SpringMethod::implicit:
-      return std::make_unique<ImplicitEuler>(system);
+      return std::make_unique<ImplicitEuler>(system, progress);
     case SpringMethod::xpbd:
       return std::make_unique<Xpbd>(system, progress);
     default:

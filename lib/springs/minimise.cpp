@@ -56,7 +56,8 @@ double highest_eigenvalue(const SpringSystem& system, const std::vector<char>& i
 
 }  // namespace
 
-Minimiser::Minimiser(SpringSystem& system) : m_system(system), m_is_held(system.node_count(), 0) {
+Minimiser::Minimiser(SpringSystem& system, const Progress* progress)
+    : m_system(system), m_is_held(system.node_count(), 0) {
   validate(system);
   for (const HeldNode& held : system.held) {
     m_is_held[held.node] = 1;
@@ -64,7 +65,7 @@ Minimiser::Minimiser(SpringSystem& system) : m_system(system), m_is_held(system.
   }
   std::fill(system.velocity_mm_s.begin(), system.velocity_mm_s.end(), Vec3d(0.0));
   system.barrier.wake(system.pos_mm);
-  m_matrix = std::make_unique<SpringMatrix>(system, m_is_held);
+  m_matrix = std::make_unique<SpringMatrix>(system, m_is_held, progress);
   m_highest = highest_eigenvalue(system, m_is_held);
   m_least = std::max(1e-12 * m_highest, 1e-12);
   m_mass_factor = std::max(1e-4 * m_highest, m_least);
@@ -75,7 +76,7 @@ Minimiser::~Minimiser() = default;
 
 bool Minimiser::step(const Progress* progress) {
   poll(progress);
-  if (!m_matrix->factorise(m_system, m_mass_factor, 0, m_system.pos_mm)) {
+  if (!m_matrix->factorise(m_system, m_mass_factor, 0, m_system.pos_mm, {}, progress)) {
     m_mass_factor *= 16;
     return true;
   }

@@ -20,8 +20,8 @@ class SpringMatrix;
 class Minimiser {
  public:
   /// Held nodes go to their targets, all velocities become 0. The system's nodes, springs and which
-  /// nodes are held must not change meanwhile. Throws InputError as validate(system).
-  explicit Minimiser(SpringSystem& system);
+  /// nodes are held must not change meanwhile. Throws InputError as validate(system), Cancelled.
+  explicit Minimiser(SpringSystem& system, const Progress* progress = nullptr);
   ~Minimiser();
 
   /// Lowers the energy. False where rounding leaves no descent: further steps change nothing.

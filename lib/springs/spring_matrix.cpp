@@ -18,10 +18,6 @@ SymmetricBlock spring_block(const Vec3d& n, double along, double across) {
           d * n.x * n.y,          d * n.x * n.z,          d * n.y * n.z};
 }
 
-std::array<int, 2> pair_of(int a, int b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
 void add(SymmetricBlock& sum, const SymmetricBlock& block, double factor) {
   for (int n = 0; n < 6; ++n) sum[n] += factor * block[n];
 }
@@ -29,7 +25,8 @@ void add(SymmetricBlock& sum, const SymmetricBlock& block, double factor) {
 }  // namespace
 
 SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
-                                            const std::vector<char>& is_held) {
+                                            const std::vector<char>& is_held,
+                                            const Progress* progress) {
   Pattern pattern;
   pattern.row_of_node.assign(system.node_count(), -1);
   for (std::size_t n = 0; n < system.node_count(); ++n) {
@@ -37,35 +34,58 @@ SpringMatrix::Pattern SpringMatrix::analyse(const SpringSystem& system,
     pattern.row_of_node[n] = int(pattern.node_of_row.size());
     pattern.node_of_row.push_back(int(n));
   }
-  pattern.couplings.reserve(system.springs.size());
-  for (const Spring& s : system.springs) {
-    const int a = pattern.row_of_node[s.a], b = pattern.row_of_node[s.b];
-    if (a >= 0 && b >= 0) pattern.couplings.push_back(pair_of(a, b));
+  const std::size_t rows = pattern.node_of_row.size();
+  const auto for_free_pairs = [&](auto&& visit) {
+    for (std::size_t n = 0; n < system.springs.size(); ++n) {
+      if (n % kSpringsPerPoll == 0) poll(progress);
+      const Spring& s = system.springs[n];
+      const int a = pattern.row_of_node[s.a], b = pattern.row_of_node[s.b];
+      if (a >= 0 && b >= 0) visit(n, std::min(a, b), std::max(a, b));
+    }
+  };
+  // Springs by the lower row of their ends, then the upper rows of each row, ascending, once.
+  std::vector<int> begin(rows + 1, 0);
+  for_free_pairs([&](std::size_t, int a, int) { ++begin[std::size_t(a) + 1]; });
+  for (std::size_t row = 0; row < rows; ++row) begin[row + 1] += begin[row];
+  std::vector<int> next(begin.begin(), begin.end() - 1);
+  std::vector<int> upper;
+  upper.resize(std::size_t(begin[rows]));
+  for_free_pairs(
+      [&](std::size_t, int a, int b) { upper[std::size_t(next[std::size_t(a)]++)] = b; });
+  pattern.first_of_row.assign(1, 0);
+  pattern.first_of_row.reserve(rows + 1);
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (row % kSpringsPerPoll == 0) poll(progress);
+    const auto first = upper.begin() + begin[row], last = upper.begin() + begin[row + 1];
+    std::sort(first, last);
+    const auto end = std::unique(first, last);
+    for (auto of = first; of != end; ++of) pattern.couplings.push_back({int(row), *of});
+    pattern.first_of_row.push_back(int(pattern.couplings.size()));
   }
-  auto& couplings = pattern.couplings;
-  std::sort(couplings.begin(), couplings.end());
-  couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
-  couplings.shrink_to_fit();
+  pattern.couplings.shrink_to_fit();
   pattern.coupling_of_spring.assign(system.springs.size(), -1);
-  for (std::size_t n = 0; n < system.springs.size(); ++n) {
-    const Spring& s = system.springs[n];
-    const int a = pattern.row_of_node[s.a], b = pattern.row_of_node[s.b];
-    if (a >= 0 && b >= 0) pattern.coupling_of_spring[n] = pattern.coupling_of(a, b);
-  }
+  for_free_pairs([&](std::size_t n, int a, int b) {
+    pattern.coupling_of_spring[n] = pattern.coupling_of(a, b);
+  });
   return pattern;
 }
 
 int SpringMatrix::Pattern::coupling_of(int a, int b) const {
-  const auto at = std::lower_bound(couplings.begin(), couplings.end(), pair_of(a, b));
-  return at != couplings.end() && *at == pair_of(a, b) ? int(at - couplings.begin()) : -1;
+  const auto row = std::size_t(std::min(a, b));
+  for (int n = first_of_row[row]; n < first_of_row[row + 1]; ++n) {
+    if (couplings[std::size_t(n)][1] == std::max(a, b)) return n;
+  }
+  return -1;
 }
 
-SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held)
-    : m_pattern(analyse(system, is_held)) {
+SpringMatrix::SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held,
+                           const Progress* progress)
+    : m_pattern(analyse(system, is_held, progress)) {
   const std::size_t rows = m_pattern.node_of_row.size();
   if (rows <= kMaxDirectRows) m_factors.emplace(int(rows), m_pattern.couplings);
   if (m_factors && m_factors->products() <= kMaxProducts) return;
   m_factors.reset();
+  poll(progress);
   m_gradients.emplace(int(rows), m_pattern.couplings);
 }
 
@@ -103,7 +123,7 @@ void SpringMatrix::add_barrier(const SpringSystem& system) {
 }
 
 void SpringMatrix::assemble(const SpringSystem& system, double mass_factor, double damping_factor,
-                            const std::vector<Vec3d>& damping_pos) {
+                            const std::vector<Vec3d>& damping_pos, const Progress* progress) {
   m_diagonal.resize(m_pattern.node_of_row.size());
   for (std::size_t row = 0; row < m_diagonal.size(); ++row) {
     const double m = mass_factor * system.mass_kg[m_pattern.node_of_row[row]];
@@ -111,6 +131,7 @@ void SpringMatrix::assemble(const SpringSystem& system, double mass_factor, doub
   }
   m_coupling.assign(m_pattern.couplings.size(), SymmetricBlock{});
   for (std::size_t n = 0; n < system.springs.size(); ++n) {
+    if (n % kSpringsPerPoll == 0) poll(progress);
     const Spring& s = system.springs[n];
     const SpringRows place = {m_pattern.row_of_node[s.a], m_pattern.row_of_node[s.b],
                               m_pattern.coupling_of_spring[n]};
@@ -132,8 +153,8 @@ void SpringMatrix::assemble(const SpringSystem& system, double mass_factor, doub
 
 bool SpringMatrix::factorise(const SpringSystem& system, double mass_factor, double damping_factor,
                              const std::vector<Vec3d>& damping_pos,
-                             const std::vector<PressedNode>& pressed) {
-  assemble(system, mass_factor, damping_factor, damping_pos);
+                             const std::vector<PressedNode>& pressed, const Progress* progress) {
+  assemble(system, mass_factor, damping_factor, damping_pos, progress);
   for (const PressedNode& node : pressed) {
     const int row = m_pattern.row_of_node[node.node];
     const SymmetricBlock& own = m_diagonal[row];

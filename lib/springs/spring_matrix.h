@@ -28,20 +28,22 @@ struct SlidingNode {
 
 class SpringMatrix {
  public:
-  /// Analyses the pattern: masses, springs and held nodes as they are. Keeps no reference.
-  SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held);
+  /// Analyses the pattern: masses, springs and held nodes as they are. Keeps no reference. Throws
+  /// Cancelled.
+  SpringMatrix(const SpringSystem& system, const std::vector<char>& is_held,
+               const Progress* progress = nullptr);
   SpringMatrix(const SpringMatrix&) = delete;
   SpringMatrix& operator=(const SpringMatrix&) = delete;
 
   /// A = diag(mass_factor m) + K(pos) + damping_factor sum d n n^T, n along the springs of
-  /// `damping_pos`. In mN/mm.
+  /// `damping_pos`. In mN/mm. Throws Cancelled.
   void assemble(const SpringSystem& system, double mass_factor, double damping_factor,
-                const std::vector<Vec3d>& damping_pos);
+                const std::vector<Vec3d>& damping_pos, const Progress* progress = nullptr);
   /// The same, pressed nodes as good as fixed along their normals; then its factors. False when A
   /// is not positive definite.
   bool factorise(const SpringSystem& system, double mass_factor, double damping_factor,
                  const std::vector<Vec3d>& damping_pos,
-                 const std::vector<PressedNode>& pressed = {});
+                 const std::vector<PressedNode>& pressed = {}, const Progress* progress = nullptr);
   /// A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at `tolerance`
   /// times |b| (BlockGradients::solve) and throw Cancelled.
   void solve(std::vector<Vec3d>& x, double tolerance, const Progress* progress = nullptr);
@@ -61,13 +63,15 @@ class SpringMatrix {
   struct Pattern {
     std::vector<int> row_of_node;
     std::vector<int> node_of_row;
-    std::vector<std::array<int, 2>> couplings;
-    std::vector<int> coupling_of_spring;  // -1: none
+    std::vector<std::array<int, 2>> couplings;  // ascending, those of a row one after the other
+    std::vector<int> first_of_row;              // among them, and one more
+    std::vector<int> coupling_of_spring;        // -1: none
 
     /// Of two rows; -1: none.
     int coupling_of(int a, int b) const;
   };
-  static Pattern analyse(const SpringSystem& system, const std::vector<char>& is_held);
+  static Pattern analyse(const SpringSystem& system, const std::vector<char>& is_held,
+                         const Progress* progress);
 
   void add_block(const SpringRows& place, const SymmetricBlock& block);
   void add_barrier(const SpringSystem& system);

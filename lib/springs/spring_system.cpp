@@ -20,17 +20,18 @@ constexpr double kJoulePerMicrojoule = 1e-6;  // mN mm
 
 void check_spring(const SpringSystem& system, std::size_t n) {
   const Spring& s = system.springs[n];
-  const std::string name = "spring " + std::to_string(n);
+  // Names are made where one is wrong: a head has 20 million springs.
+  const auto name = [n] { return "spring " + std::to_string(n); };
   for (const int node : {s.a, s.b}) {
     if (node < 0 || std::size_t(node) >= system.node_count()) {
-      fail(name, "node " + std::to_string(node),
+      fail(name(), "node " + std::to_string(node),
            "an index below " + std::to_string(system.node_count()));
     }
   }
-  if (s.a == s.b) fail(name, "node " + std::to_string(s.a) + " twice", "different nodes");
+  if (s.a == s.b) fail(name(), "node " + std::to_string(s.a) + " twice", "different nodes");
   for (const double value : {s.rest_mm, s.stiffness_n_m, s.damping_n_s_m}) {
     if (!(value >= 0) || !std::isfinite(value)) {
-      fail(name, number_text(value), "rest length, stiffness and damping of at least 0");
+      fail(name(), number_text(value), "rest length, stiffness and damping of at least 0");
     }
   }
 }
@@ -57,12 +58,12 @@ void validate(const SpringSystem& system) {
          std::to_string(nodes) + " of each, one per mass");
   }
   for (std::size_t n = 0; n < nodes; ++n) {
-    const std::string name = "node " + std::to_string(n);
+    const auto name = [n] { return "node " + std::to_string(n); };
     if (!(system.mass_kg[n] > 0) || !std::isfinite(system.mass_kg[n])) {
-      fail(name, "a mass of " + number_text(system.mass_kg[n]) + " kg", "a mass above 0");
+      fail(name(), "a mass of " + number_text(system.mass_kg[n]) + " kg", "a mass above 0");
     }
     if (!is_finite(system.pos_mm[n]) || !is_finite(system.velocity_mm_s[n])) {
-      fail(name, "a position or velocity that is not finite", "finite numbers");
+      fail(name(), "a position or velocity that is not finite", "finite numbers");
     }
   }
   for (std::size_t n = 0; n < system.springs.size(); ++n) check_spring(system, n);
@@ -126,7 +127,8 @@ SpringEnergy energy(const SpringSystem& system) {
           gravity * kJoulePerMicrojoule};
 }
 
-int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping damping) {
+int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping damping,
+              const Progress* progress) {
   const bool with_damping = damping == Damping::with;
   const Vec3d gravity = system.gravity_m_s2 * kMmPerM;
   const double alpha = with_damping ? system.mass_damping_per_s : 0;
@@ -135,7 +137,9 @@ int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping dam
     force[n] = (gravity - system.velocity_mm_s[n] * alpha) * system.mass_kg[n];
   }
   int without_direction = 0;
-  for (const Spring& s : system.springs) {
+  for (std::size_t n = 0; n < system.springs.size(); ++n) {
+    if (n % kSpringsPerPoll == 0) poll(progress);
+    const Spring& s = system.springs[n];
     const Vec3d x = system.pos_mm[s.b] - system.pos_mm[s.a];
     const double length = std::sqrt(x.length2());
     if (length == 0) {

@@ -19,6 +19,7 @@
 
 #include "lib/springs/cell_barrier.h"
 #include "lib/springs/contact.h"
+#include "volumes/base/progress.h"
 #include "volumes/base/vec.h"
 
 namespace supple {
@@ -74,10 +75,14 @@ struct SpringEnergy {
 };
 SpringEnergy energy(const SpringSystem& system);
 
+/// Loops over the springs of a solid, which may be 20 million, look for a wish to stop so often.
+constexpr std::size_t kSpringsPerPoll = std::size_t(1) << 18;
+
 /// Springs (stiffness, and damping unless `without_damping`), awake barrier, mass damping and
 /// gravity on every node, in mN. A spring of length 0 has no direction and pulls nowhere: returns
-/// how many there are. About 10 ns per spring.
+/// how many there are. Throws Cancelled. About 10 ns per spring.
 enum class Damping { with, without };
-int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping damping);
+int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping damping,
+              const Progress* progress = nullptr);
 
 }  // namespace supple

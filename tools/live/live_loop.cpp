@@ -163,6 +163,7 @@ bool LiveLoop::is_soon_after(Clock::duration pause, const EventMailbox& mailbox)
 bool LiveLoop::carry_out(const LiveEvent& event) {
   if (!event.is_of_view()) m_watcher.begins();
   try {
+    m_watcher.check(event);
     m_live.carry_out(event, m_progress);
     if (event.is_of_view() || event.looks) m_picture.look(framed(m_live.view()));
     return true;

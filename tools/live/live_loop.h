@@ -25,6 +25,8 @@ class LoopWatcher {
   virtual void spent(LivePhase, const Stopwatch&) {}
   /// Before an event that may move the body or a slice of relaxation is carried out.
   virtual void begins() {}
+  /// Before that; throws InputError where the event is not to be done.
+  virtual void check(const LiveEvent&) {}
   virtual void carried_out(const LiveEvent&) {}
   /// A slice is done, or has given way.
   virtual void went_on() {}

@@ -7,6 +7,8 @@
 
 #include "tools/live/held_parts.h"
 #include "tools/live/live_record.h"
+#include "tools/live/model_price.h"
+#include "tools/outputs/view_pictures.h"
 #include "tools/scene/run_step.h"
 
 namespace supple::tools {
@@ -137,6 +139,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
     case EventKind::model:
       m_model.reset();
       if (event.step.springs || event.step.fem) m_model = event;
+      if (const auto price = price_of(event, *m_session)) note(progress, price->text);
       break;
     case EventKind::relax:
       return relax(event, event.step.relax->passes, progress);

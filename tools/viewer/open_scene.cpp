@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tools/live/first_anchor.h"
+#include "tools/live/model_price.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/pictures/jpeg.h"
 
@@ -14,6 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kTellScenesEvery = 100ms;
+constexpr double kMostDrag_s = 10;  // without a question
 /// Pixels of slices in haste: one of so many along each axis.
 constexpr int kHasteEvery = 2;
 
@@ -48,6 +50,7 @@ OpenScene::OpenScene(const TomlTable& root, double budget_ms, const ViewSettings
     while (m_live.has_more()) m_live.go_on(&outlets.progress);
   }
   if (const auto anchor = first_anchor(m_live)) m_live.carry_out(*anchor, &outlets.progress);
+  if (const auto model = first_model(m_live)) m_live.carry_out(*model, &outlets.progress);
   m_stale = {0, 1, 1, 1};
 }
 
@@ -127,6 +130,16 @@ void OpenScene::begins() {
   m_is_told = false;
   m_is_moving = true;
   m_range.reset();
+}
+
+/// Springs pay for every place of a drag. Those that take long are chosen twice, the price known.
+void OpenScene::check(const LiveEvent& event) {
+  if (event.kind != EventKind::model || !event.step.springs) return;
+  const auto price = price_of(event, m_live.session());
+  if (!price || price->seconds <= kMostDrag_s || m_warned_model == event.keys) return;
+  m_warned_model = event.keys;
+  throw InputError({event.place, "model", price->text,
+                    "springs chosen once more, to use them all the same; finite elements; a crop"});
 }
 
 void OpenScene::carried_out(const LiveEvent& event) {

@@ -28,8 +28,8 @@ struct SceneOutlets {
 class OpenScene final : public LoopWatcher {
  public:
   /// Opens what the root of a scene or journal describes and carries out its steps or events; where
-  /// there are none, the largest bone is fixed (first_anchor()).
-  /// Throws as LiveSession.
+  /// there are none, the largest bone is fixed (first_anchor()), and finite elements settle what has
+  /// a stiffness (first_model()). Throws as LiveSession.
   OpenScene(const TomlTable& root, double budget_ms, const ViewSettings& settings,
             const SceneOutlets& outlets);
 
@@ -75,6 +75,7 @@ class OpenScene final : public LoopWatcher {
 
  private:
   void begins() override;
+  void check(const LiveEvent& event) override;
   void carried_out(const LiveEvent& event) override;
   void went_on() override;
   void ends();
@@ -107,6 +108,7 @@ class OpenScene final : public LoopWatcher {
   std::optional<ScalarRange> m_densities;     // once they were asked for
   std::optional<RestOutline> m_rest_outline;  // while it is drawn in space
   nlohmann::ordered_json m_body_told;         // of description(), as it was before the body moved
+  std::string m_warned_model;                 // keys of an expensive one that was refused once
   bool m_is_told = false;
   bool m_is_moving = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body

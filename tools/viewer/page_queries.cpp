@@ -107,6 +107,7 @@ Json options_of(const std::string& kind) {
   }
   if (kind == "fem") {
     FemStep step;
+    step.params.set_accuracy(FemAccuracy::picture);  // which a page is for
     return options_json(fields(step));
   }
   if (kind == "save") {

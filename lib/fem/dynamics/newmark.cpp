@@ -26,7 +26,7 @@ class MassSystem final : public LinearSystem {
 
   void add(const float* x, double* y) const override { m_mass.add(x, y); }
   void subtract(const double* x, double* y) const override { m_mass.subtract(x, y); }
-  void precondition(float* r, float* z) override {
+  void precondition(float* r, float* z, const Progress*) override {
     for_ranges(m_diagonal.size(), [&](std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n) {
         const bool is_held = (m_held[n / 3] >> n % 3 & 1) != 0;

@@ -97,7 +97,8 @@ export class DeformPanel {
   }
   chooseModel(model) {
     if (this.models[model] && !this.models[model].isValid()) return;
-    const own = model === 'ecm' ? {} : {[model]: this.models[model]?.values() ?? {}};
+    const accuracy = this.models[model]?.value('accuracy');
+    const own = model === 'ecm' ? {} : {[model]: {...(accuracy && {accuracy}), ...this.models[model]?.values()}};
     this.session.event({kind: 'model', model, ...own});
   }
   startRelaxing() {
