@@ -150,6 +150,49 @@ TEST_F(UnitFemScene, VolumesGaugesAndReactionsOfAStretchedBarAreThoseByHand) {
   }
 }
 
+TEST_F(UnitFemScene, AccuracySetsBothTolerancesAndWhatStandsBesideItReplacesThem) {
+  const auto steps = [&](const std::string& fem, const std::string& after = "") {
+    const Outcome run = run_supple({"run", scene(fem, after), "-o", m_folder / "out", "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(run.out)["steps"];
+  };
+  const auto tolerances = [](const nlohmann::json& step) {
+    const nlohmann::json& settings = step["settings"];
+    return std::pair<double, double>(settings["tolerance"], settings["reaction_tolerance"]);
+  };
+  const nlohmann::json exact = steps("")[0], picture = steps("accuracy = \"picture\"")[0];
+  EXPECT_EQ(tolerances(exact), std::pair(1e-6, 1e-5));
+  EXPECT_FALSE(exact["settings"].contains("accuracy"));  // as records were before
+  EXPECT_EQ(steps("accuracy = \"exact\"")[0]["settings"], exact["settings"]);
+  EXPECT_EQ(tolerances(picture), std::pair(0.1, 0.1));
+  EXPECT_LT(picture["fem"]["iterations"], exact["fem"]["iterations"]);
+  EXPECT_EQ(tolerances(steps("tolerance = 0.01, accuracy = \"picture\"")[0]), std::pair(0.01, 0.1));
+
+  // A picture goes on from the one before it; exact steps begin at rest.
+  const std::string again = "[[step]]\nmodel = \"fem\"\n";
+  const nlohmann::json pictures =
+      steps("accuracy = \"picture\"", again + "fem = { accuracy = \"picture\" }\n");
+  EXPECT_EQ(pictures[1]["fem"]["iterations"], 1);
+  const nlohmann::json twice = steps("", again);
+  EXPECT_EQ(twice[1]["fem"]["iterations"], twice[0]["fem"]["iterations"]);
+
+  const Outcome by_option = run_supple(stretch({"--accuracy", "picture", "--json"}));
+  ASSERT_EQ(by_option.exit_code, 0) << by_option.err;
+  EXPECT_NE(by_option.out.find("\"accuracy\": \"picture\""), std::string::npos) << by_option.out;
+}
+
+TEST_F(UnitFemScene, WarningsOfTurnsAndStrainsNameVoxels) {
+  std::vector<std::string> far = stretch({});
+  *(std::find(far.begin(), far.end(), "--by") + 1) = "0,0,2";
+  const Outcome run = run_supple(far);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::size_t at = run.err.find("beyond linear theory");
+  ASSERT_NE(at, std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("strains of up to 0.1", 0), std::string::npos) << run.err;
+  EXPECT_NE(run.err.rfind("at voxel ", at), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("in 270 elements", at), std::string::npos) << run.err;  // all of the bar
+}
+
 TEST_F(UnitFemScene, SmallerElementsStretchTheBarAlike) {
   const std::string path = scene("refine = 1", "[output]\nelements = { von_mises = \"m.nrrd\" }\n");
   std::string text = read_text(path);

@@ -377,6 +377,34 @@ TEST_F(UnitReplay, ModelsWithoutSidesTakeASoftHandleAndRefuseATool) {
   }
 }
 
+TEST_F(UnitReplay, PicturesByFiniteElementsGoOnFromEachOtherAndUndoTakesThatBack) {
+  const auto stroke = [](const std::string& to) {
+    return event("grab", "grab = [12, 12, 16]") + event("drag", "to = " + to) + event("release");
+  };
+  const std::string begin = event("anchor", "grab_box = [4, 4, 2, 20, 20, 9]") +
+                            event("model", "model = \"fem\"\nfem = { accuracy = \"picture\" }") +
+                            stroke("[0, 1, 0]");
+  const std::string file = journal(begin + stroke("[0, 0.5, 0.5]") + event("undo", "all = true") +
+                                   stroke("[0.5, 0, 0]") + stroke("[0.1, 0, 0.2]"));
+  const std::string end = hash(
+      file, "--scene " + (m_folder / "batch.toml") + " --journal " + (m_folder / "carried.toml"));
+  EXPECT_EQ(hash(m_folder / "carried.toml"), end);
+  EXPECT_EQ(hash(m_folder / "batch.toml", "--threads 1"), end);
+  EXPECT_EQ(hash(journal(begin + stroke("[0.5, 0, 0]") + stroke("[0.1, 0, 0.2]"))), end);
+}
+
+TEST_F(UnitReplay, TheModelOfASessionSaysItsPrice) {
+  const std::string file =
+      journal(event("model", "model = \"springs\"") + event("model", "model = \"fem\"") +
+              event("model", "model = \"ecm\""));
+  const Outcome run = run_line("replay " + file + " --size 96,96");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("supple: springs on 7208 elements: some "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("supple: finite elements on 7208 elements: some "), std::string::npos)
+      << run.err;
+  EXPECT_NE(run.err.find(" GB for each drag"), std::string::npos) << run.err;
+}
+
 TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
   const std::string file = journal(
       event("grab", "at = 200\ngrab = [12, 12, 16]") + event("drag", "at = 400\nto = [0, 1, 0]") +

@@ -123,11 +123,12 @@ void print_solve(const StepRecord& record) {
 
 void print_relaxation(const StepRecord& record) {
   const RelaxReport& report = record.relaxed;
-  std::printf(
-      "relaxed         %d passes (%s%s), energy %.4g to %.4g uJ, last step %.2g voxels\n",
-      report.passes, name_of(record.relax->method),
-      report.end == RelaxEnd::passes ? "" : (std::string(", ") + name_of(report.end)).c_str(),
-      report.energy_before, report.energy_after, report.largest_step_voxels);
+  std::printf("relaxed         %d passes (%s%s), energy %.4g to %.4g uJ, last step %.2g voxels\n",
+              report.passes, name_of(record.relax->method),
+              report.end == RelaxEnd::passes   ? ""
+              : report.end == RelaxEnd::budget ? ", ended by its budget, not at rest"
+                                               : (std::string(", ") + name_of(report.end)).c_str(),
+              report.energy_before, report.energy_after, report.largest_step_voxels);
   if (report.volumes_after) {
     std::printf("volume          %.4f to %.4f of %lld cells at rest, a cell %.3g to %.3g\n",
                 report.volumes_before->ratio(), report.volumes_after->ratio(),

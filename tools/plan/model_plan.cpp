@@ -20,18 +20,20 @@ constexpr double kSpringsOfElement = 8.7, kSpringsInSlice = 4;
 constexpr double kSpringStart = 0.35, kDownWork = 0.2, kMotionWork = 1.35, kContactWork = 5;
 constexpr double kMinimumSteps = 40;  // that a minimum of springs takes, of those that it may
 /// Of bodies that no cache holds, in the time of the small one of a calibration.
-constexpr double kFemBeyondCaches = 2;
+constexpr double kFemBeyondCaches = 1.6;
 constexpr double kFemBytes = 58;          // per unknown
 constexpr double kFiniteBytes = 70;       // more, at finite strain
 constexpr double kModeBytes = 16;         // more, of every mode
 constexpr double kLanczosBytes = 8;       // more, of every vector that modes are found from
 constexpr double kMotionBytes = 200;      // more, with mass, damping and what moves
 constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
-/// Of an equilibrium, for every decade of the residual: usually, and beside rigid pieces or tissue
-/// that many times as stiff.
-constexpr double kIterations = 5, kHardIterations = 13, kLargeContrast = 1000;
-/// Of elements that are twice as large, in those of voxels.
-constexpr double kCoarsePart = 0.25;
+/// Of an equilibrium, for the first decade of the residual: usually, and beside rigid pieces or
+/// tissue that many times as stiff. Later decades take more.
+constexpr double kIterations = 3, kHardIterations = 10, kLargeContrast = 1000;
+constexpr double kDecadesPower = 1.15;
+/// Of elements that are twice as large, in those of voxels; and the iterations of voxels that it
+/// saves to set up larger ones, whose voxels are not smoothed.
+constexpr double kCoarsePart = 0.25, kCoarseSetup = 2;
 constexpr double kNewtonSystems = 5;
 /// Of the iterations of an equilibrium, those of a step of time; equilibria of a mode.
 constexpr double kMotionPart = 0.13, kModeSystems = 1.1;
@@ -104,7 +106,8 @@ ModelPlan plan_finite_elements(const StepRequest& request, const Session& sessio
   const bool is_hard = !request.rigid.empty() || !session.body().rigid.empty() ||
                        contrast_of(session.material()) >= kLargeContrast;
   const double decades = std::max(1.0, -std::log10(params.tolerance));
-  const double iterations = systems * decades * (is_hard ? kHardIterations : kIterations) *
+  const double iterations = systems * std::pow(decades, kDecadesPower) *
+                            (is_hard ? kHardIterations : kIterations) *
                             std::pow(kCoarsePart, params.doublings);
   double more = 0;
   if (fem.modes) {
@@ -116,7 +119,8 @@ ModelPlan plan_finite_elements(const StepRequest& request, const Session& sessio
   }
   return {count_text(unknowns, "unknowns") + ", some " + count_text(iterations, "iterations"),
           "the step moves the body by finite elements", all * (kFemBytes + more),
-          fem_work(unknowns, iterations) * kFemBeyondCaches * costs.fem_unknown * 1e-9};
+          fem_work(unknowns, iterations - (params.doublings > 0 ? kCoarseSetup : 0)) *
+              kFemBeyondCaches * costs.fem_unknown * 1e-9};
 }
 
 std::string two_digits(double value) {

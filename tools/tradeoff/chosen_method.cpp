@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <exception>
 #include <fstream>
 #include <map>
@@ -60,6 +61,16 @@ double way_mm(const Scene& scene, const Geometry& geometry, const std::string& o
   return longest;
 }
 
+/// Small bodies have no elements of several voxels: levels end where one can be factorised.
+bool has_elements_for(const Scene& scene, const Session& session) {
+  constexpr double kLeastOfLevel = 600;
+  const double elements = double(session.body().elements.active_count());
+  return std::all_of(scene.steps.begin(), scene.steps.end(), [&](const SceneStep& step) {
+    const int doublings = step.fem ? step.fem->step.params.doublings : 0;
+    return doublings == 0 || elements >= kLeastOfLevel * std::pow(8, doublings);
+  });
+}
+
 std::vector<MethodChoice> choices_of_plans(const Scene& scene, const std::string& option,
                                            Progress& progress) {
   if (scene.steps.empty()) {
@@ -72,6 +83,7 @@ std::vector<MethodChoice> choices_of_plans(const Scene& scene, const std::string
   for (const SceneStep& step : scene.steps) check_step(session, step);
   std::vector<MethodChoice> choices;
   for (const auto& [method, by_method] : solved) {
+    if (!has_elements_for(by_method, session)) continue;
     choices.push_back({method, planned_solve_s(by_method, session), shipped_error_mm(method, way)});
   }
   sort_by_time(choices);
