@@ -74,8 +74,8 @@ def end_of(step):
     """How the step came to its end, in few words."""
     if "fem" in step:
         return f"{step['fem']['iterations']} iterations"
-    relaxed = step.get("relaxed")
-    return f"pass {relaxed['passes']}, {relaxed['end']}" if relaxed else ""
+    relaxed = step.get("relax")
+    return f"pass {relaxed['passes']}, by its {relaxed['ended_by']}" if relaxed else ""
 
 
 def run(command):
