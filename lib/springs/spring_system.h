@@ -76,7 +76,7 @@ struct SpringEnergy {
 SpringEnergy energy(const SpringSystem& system);
 
 /// Loops over the springs of a solid, which may be 20 million, look for a wish to stop so often.
-constexpr std::size_t kSpringsPerPoll = std::size_t(1) << 18;
+constexpr std::size_t kSpringsPerPoll = 65536;
 
 /// Springs (stiffness, and damping unless `without_damping`), awake barrier, mass damping and
 /// gravity on every node, in mN. A spring of length 0 has no direction and pulls nowhere: returns

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kFewestSubsteps = 8;
 constexpr int kCornerSweeps = 4;  // few corners are awake, and stiff
-constexpr std::size_t kSpringsPerPoll = 65536;
 
 /// The h at which h^2 omega^2 + h gamma is what four sweeps solve to 2 %.
 double longest_substep(const SpectralBounds& bounds) {
