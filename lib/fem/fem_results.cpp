@@ -16,7 +16,7 @@ namespace supple {
 
 namespace {
 
-constexpr double kNPerMn = 1e-3;
+constexpr double kNewtonPerMn = 1e-3;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 double trace(const SymmetricTensor& t) {
@@ -248,7 +248,7 @@ std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loa
       Vec3d force(0);
       for (int a = 0; a < 3; ++a) {
         if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
-        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * kNPerMn;
+        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * kNewtonPerMn;
       }
       reaction.force_n += force;
       reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);
