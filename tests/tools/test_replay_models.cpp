@@ -68,8 +68,8 @@ TEST_F(UnitReplay, TheModelOfASessionSaysItsPrice) {
               event("model", "model = \"ecm\""));
   const Outcome run = run_line("replay " + file + " --size 96,96");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_NE(run.err.find("supple: springs on 7208 elements: some "), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("supple: finite elements on 7208 elements: some "), std::string::npos)
+  EXPECT_NE(run.err.find("supple: springs on 3184 elements: some "), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("supple: finite elements on 3184 elements: some "), std::string::npos)
       << run.err;
   EXPECT_NE(run.err.find(" GB for each drag"), std::string::npos) << run.err;
 }
