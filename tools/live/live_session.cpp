@@ -8,7 +8,6 @@
 #include "tools/live/held_parts.h"
 #include "tools/live/live_record.h"
 #include "tools/live/model_price.h"
-#include "tools/outputs/view_pictures.h"
 #include "tools/scene/run_step.h"
 
 namespace supple::tools {
