@@ -35,13 +35,6 @@ struct SessionOptions {
   bool keeps_undo = false;
 };
 
-/// Where a drag takes rigid pieces, with the part of it that anchors and bones leave.
-struct PieceReach {
-  std::vector<RigidPose> poses;  // of all pieces in Body::rigid
-  double part = 1;
-  std::optional<BoneStop> bones;
-};
-
 constexpr std::size_t kMostUndoBytes = std::size_t(512) << 20;
 
 struct StepNodes;
@@ -160,8 +153,8 @@ class Session {
   std::optional<BoneStop> first_bone_stop(const std::vector<RigidPiece>& start,
                                           const std::vector<RigidPose>& end,
                                           std::vector<PieceMotion> motions, double part);
-  PieceReach reach_of_pieces(const StepRequest& request, const std::vector<PieceMotion>& pieces,
-                             Progress* progress);
+  double shorten_for_bones(std::vector<PieceMotion>& pieces, StepRecord& record,
+                           Progress* progress);
   void go_to_part(double part, const std::vector<Handle>& handles,
                   const std::vector<PieceMotion>& pieces, const StepStart& start,
                   StepRecord& record, Progress* progress);

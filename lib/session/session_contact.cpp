@@ -106,41 +106,25 @@ void Session::solve(const std::vector<Handle>& handles, const std::vector<PieceM
   go_to_part(part, handles, pieces, *start, record, progress);
 }
 
-/// The poses that models without contact are to hold pieces at: grabbed ones where the handles take
-/// them, whatever limits of tissue say, free ones where ChainMail does, as far as bones leave that
-/// way free. The body stays.
-PieceReach Session::reach_of_pieces(const StepRequest& request,
-                                    const std::vector<PieceMotion>& pieces, Progress* progress) {
-  StepRecord trial;
-  static_cast<StepRequest&>(trial) = request;
-  trial.fem.reset();
-  const StepStart start{KeptOffsets(m_body), m_holds, m_body.rigid.list};
-  const auto go_back = [&] {
-    start.offsets.restore(m_body);
-    m_holds = start.holds;
-    m_body.rigid.list = start.pieces;
-  };
-  try {
-    solve_freely(handles_of(trial, pieces, 1), pieces, trial, progress);
-  } catch (...) {
-    go_back();
-    throw;
-  }
-  PieceReach reach{poses_of(m_body.rigid.list), 1, std::nullopt};
-  go_back();
+/// The part of the handles' way that bones leave each other while all others stay: for finite
+/// elements, which know no contact. `pieces` go that part.
+double Session::shorten_for_bones(std::vector<PieceMotion>& pieces, StepRecord& record,
+                                  Progress* progress) {
+  if (pieces.empty() || !keeps_bones_apart(record)) return 1;
+  if (record.fem->motion || record.fem->modes) return 1;
+  const std::vector<RigidPiece>& start = m_body.rigid.list;
+  std::vector<RigidPose> end = poses_of(start);
   for (const PieceMotion& motion : pieces) {
-    reach.poses[motion.piece] =
-        moved_by(motion.motion, m_body.rigid.list[motion.piece], m_body.geometry);
+    end[motion.piece] = moved_by(motion.motion, start[motion.piece], m_body.geometry);
   }
-  if (!keeps_bones_apart(request)) return reach;
-  reach.bones = first_bone_stop(start.pieces, reach.poses, pieces, 1);
-  if (!reach.bones) return reach;
-  reach.part = reach.bones->part;
-  const PieceWay way = way_of_pieces(start.pieces, reach.poses, pieces);
-  std::vector<RigidPose> reached;
-  for (std::size_t n = 0; n < reach.poses.size(); ++n) reached.push_back(way(n, reach.part));
-  reach.poses = std::move(reached);
-  return reach;
+  record.bones = first_bone_stop(start, end, pieces, 1);
+  if (!record.bones) return 1;
+  const auto parts = std::int64_t(std::floor(record.bones->part * double(kWayParts)));
+  multiply(record.report, parts, kWayParts);
+  warn_of_stop(*record.bones, record.report, progress);
+  const double part = double(parts) / double(kWayParts);
+  for (PieceMotion& piece : pieces) piece.motion = piece.motion.part(part);
+  return part;
 }
 
 /// Straight ways are gone back. Pieces that turned would bend on them.

@@ -128,8 +128,10 @@ std::vector<PieceMotion> Session::motions_of(const StepRequest& request) const {
 }
 
 void Session::move(StepRecord& record, Progress* progress) {
-  const std::vector<PieceMotion> pieces = motions_of(record);
-  const std::vector<Handle> handles = handles_of(record, pieces, 1);
+  std::vector<PieceMotion> pieces = motions_of(record);
+  const std::vector<PieceMotion> asked = pieces;
+  const double part = record.fem ? shorten_for_bones(pieces, record, progress) : 1;
+  const std::vector<Handle> handles = handles_of(record, asked, part);
   HandleLedger ledger = m_walk ? m_walk->ledger : m_ledger;
   ledger.add(int(m_records.size()) + 1, handles, m_body);
   if (m_walk) {

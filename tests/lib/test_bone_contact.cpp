@@ -62,6 +62,23 @@ TEST(PropertyBoneContact, OpeningAJointIsNeverStopped) {
   }
 }
 
+TEST(PropertyBoneContact, FiniteElementsLeadBonesAsFarAsTheyLeaveEachOtherRoom) {
+  const TemporaryFolder folder;
+  const std::string path = write_wavy_joint(folder, false);
+  Session by_links(path, bone_options());
+  StepRequest drag = wavy_drag({0, 4, 0});
+  const double reach = way_done(by_links.step(drag));
+  Session by_elements(path, bone_options());
+  drag.fem.emplace();
+  drag.fem->params.tolerance = 0.1;
+  drag.fem->params.reaction_tolerance = 0.1;
+  const StepRecord& record = by_elements.step(drag);
+  EXPECT_TRUE(record.bones.has_value());
+  EXPECT_NEAR(way_done(record), reach, 1e-4);
+  EXPECT_LT(deepest_overlap(by_elements.body()), kShiftedOverlap + 1e-3);
+  EXPECT_TRUE(says(by_elements, "bone stopped the drag"));
+}
+
 TEST(PropertyBoneContact, LiveDragsReachAsFarAsOneOfAll) {
   const TemporaryFolder folder;
   const std::string path = write_wavy_joint(folder, false);

@@ -350,6 +350,10 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
         {"cut_links", record.cut_links},
         {"settings", nlohmann::ordered_json::parse(settings_json(*record.fem))},
         {"fem", to_json(record.equilibrium)}};
+    if (record.bones) {
+      json["fraction"] = record.report.fraction();
+      json["bones"] = to_json(*record.bones);
+    }
     json["reactions"] = to_json(record.reactions);
     return json;
   }
