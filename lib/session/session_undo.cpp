@@ -59,7 +59,7 @@ void Session::restore(Before&& before) {
     m_nodes_before.reset();
   } else if (before.change) {
     before.change->take_back(m_body);
-    m_nodes_before->follow(m_body, *before.change);
+    if (m_nodes_before) m_nodes_before->follow(m_body, *before.change);
   } else {
     NodeChange(*m_nodes_before, m_body).take_back(m_body);
   }
