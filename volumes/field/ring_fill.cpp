@@ -1,6 +1,7 @@
 #include "volumes/field/ring_fill.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include <tbb/parallel_for.h>
@@ -28,8 +29,12 @@ BrickMask next_ring(const MasksAround& around, const BrickMask& wanted, const Br
 template <class MaskOf, class Set>
 void fill_ring(const BrickMask& ring, int number, RingFill fill, const Surroundings& around,
                MaskOf&& mask_of, const BrickVectors& vectors, Set&& set) {
-  const auto vectors_of = [&](int n) { return vectors.brick_or_zero(std::size_t(around[n])); };
   if (!any_bit(ring)) return;
+  std::array<const Vec3f*, 27> bricks;  // of absent ones nothing is read
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    bricks[n] = vectors.brick_or_zero(std::size_t(around[n]));
+  }
+  const auto vectors_of = [&](int n) { return bricks[std::size_t(n)]; };
   if (number <= int(fill)) {
     const PaddedRows<2> padded = padded_rows<2>(around, mask_of);
     for_each_active(ring, [&](int offset) {

@@ -23,6 +23,9 @@ constexpr int kSeedSpacing = 4;
 Vec3d to_vector(const Float4& v) {
   return {double(v[0]), double(v[1]), double(v[2])};
 }
+Vec3i brick_origin(const Vec3i& voxel) {
+  return {voxel.x & ~7, voxel.y & ~7, voxel.z & ~7};
+}
 int octant_of(const Vec3i& voxel) {
   return (voxel.x & 4) | (voxel.y & 4) >> 1 | (voxel.z & 4) >> 2;
 }
@@ -59,6 +62,9 @@ ForwardOffsets::ForwardOffsets(const Displacement& displacement, const BrickTopo
       m_elements(elements),
       m_reach(m_u.topology.brick_count()),
       m_still(m_u.topology.brick_count()) {
+  for (std::size_t b = 0; m_elements != nullptr && b < m_still.size(); ++b) {
+    m_tissue_of.push_back(m_elements->find(m_u.topology.origin(b)));
+  }
   std::vector<std::int32_t> all(m_u.topology.brick_count());
   std::iota(all.begin(), all.end(), 0);
   update(all);
@@ -115,6 +121,16 @@ void ForwardOffsets::find_reached() {
 /// Whether the voxel nearest to y is an element.
 bool ForwardOffsets::is_tissue(const Vec3d& y) const {
   return m_elements == nullptr || m_elements->is_active(floor_voxel(y + Vec3d(0.5)));
+}
+
+/// The same near a place in that piece.
+bool ForwardOffsets::is_tissue(const Vec3d& y, int piece) const {
+  if (m_elements == nullptr) return true;
+  const std::size_t b = std::size_t(piece / kBrickVoxels);
+  const Vec3i voxel = floor_voxel(y + Vec3d(0.5));
+  if (brick_origin(voxel) != m_u.topology.origin(b)) return m_elements->is_active(voxel);
+  const std::int32_t same = m_tissue_of[b];
+  return same >= 0 && mask_test(m_elements->mask(std::size_t(same)), brick_offset(voxel));
 }
 
 /// A node of brick b in the octant above `low` to begin at: its middle, or else the first element;
@@ -190,10 +206,14 @@ bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corn
   return true;
 }
 
-/// False where a corner of the cell has no displacement.
-bool ForwardOffsets::place_at(const Vec3d& y, Place& place) const {
+/// False where a corner of the cell has no displacement. `brick`: one that is likely to hold y, or
+/// -1; then the one that does.
+bool ForwardOffsets::place_at(const Vec3d& y, std::int32_t& brick, Place& place) const {
   const Vec3i voxel = floor_voxel(y);
-  const std::int32_t b = m_u.topology.find(voxel);
+  if (brick < 0 || m_u.topology.origin(std::size_t(brick)) != brick_origin(voxel)) {
+    brick = m_u.topology.find(voxel);
+  }
+  const std::int32_t b = brick;
   if (b < 0) return false;
   place.piece = b * kBrickVoxels + brick_offset(voxel);
   if (m_still[b]) {
@@ -217,10 +237,11 @@ void ForwardOffsets::set_derivatives(const Float4 (&corners)[8], const Vec3f& f,
 /// Newton from x + offset; steps that leave the material are halved.
 bool ForwardOffsets::solve(const Vec3d& x, const Vec3d& offset, Sample& found) const {
   Vec3d y = x + offset, before = y;
+  std::int32_t brick = found.piece >= 0 ? found.piece / kBrickVoxels : -1;
   int halvings = 0;
   for (int n = 0; n < kMaxNewtonSteps; ++n) {
     Place place;
-    if (!place_at(y, place)) {
+    if (!place_at(y, brick, place)) {
       if (n == 0 || ++halvings > kMaxHalvings) return false;
       y = (y + before) / 2;
       continue;
@@ -250,7 +271,7 @@ bool ForwardOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const 
   const auto finds_tissue = [&](const Vec3d& offset) {
     if (has_air && !is_tissue(x + offset)) return false;
     if (!solve(x, offset, found)) return false;
-    if (is_tissue(x + found.offset)) return true;
+    if (is_tissue(x + found.offset, found.piece)) return true;
     if (!has_air) air = found;
     has_air = true;
     return false;
@@ -288,7 +309,8 @@ Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& /*x*/, const Vec3d& y,
 
 std::size_t ForwardOffsets::bytes() const {
   return bricks().bytes() + m_reached.capacity() * sizeof(Reached) + m_ranges.bytes() +
-         m_reach.capacity() * (sizeof(IndexBox) + 1);
+         m_reach.capacity() * (sizeof(IndexBox) + 1) +
+         m_tissue_of.capacity() * sizeof(std::int32_t);
 }
 
 }  // namespace supple

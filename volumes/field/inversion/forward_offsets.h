@@ -60,19 +60,21 @@ class ForwardOffsets final : public PointwiseOffsets {
   void find_ranges(const std::vector<std::int32_t>& changed);
   void find_reached();
   bool is_tissue(const Vec3d& y) const;
+  bool is_tissue(const Vec3d& y, int piece) const;
   int seed_node(std::size_t b, const Vec3i& low) const;
   void plant_seeds(std::size_t b, const BrickIndex& index, std::vector<Reached>& reached) const;
   static void set_derivatives(const Float4 (&corners)[8], const Vec3f& f, Place& place);
-  bool place_at(const Vec3d& y, Place& place) const;
+  bool place_at(const Vec3d& y, std::int32_t& brick, Place& place) const;
   bool corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corners)[8]) const;
   bool solve(const Vec3d& x, const Vec3d& offset, Sample& found) const;
 
   const VectorBricks& m_u;
   const BrickTopology* m_elements;
   DisplacementRanges m_ranges;
-  std::vector<IndexBox> m_reach;      // nodes that their cells reach
-  std::vector<std::uint8_t> m_still;  // no corner of their cells moves
-  std::vector<Reached> m_reached;     // of bricks()
+  std::vector<IndexBox> m_reach;          // nodes that their cells reach
+  std::vector<std::uint8_t> m_still;      // no corner of their cells moves
+  std::vector<std::int32_t> m_tissue_of;  // the same bricks among the elements, or -1
+  std::vector<Reached> m_reached;         // of bricks()
 };
 
 }  // namespace supple
