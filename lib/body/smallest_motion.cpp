@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include "lib/body/nearest_point.h"
 
 namespace supple {
@@ -39,8 +42,8 @@ Vec6 joined(const Vec3d& a, const Vec3d& b) {
 class MotionSearch {
  public:
   MotionSearch(const Body& body, const RigidPiece& piece, const std::vector<ElementBounds>& bounds,
-               double cube_mm)
-      : m_body(body), m_piece(piece), m_bounds(bounds) {
+               double cube_mm, const Progress* progress)
+      : m_body(body), m_piece(piece), m_bounds(bounds), m_progress(progress) {
     m_piece.pose = piece.motion_starts_at();
     Vec3d centre = m_piece.centre_index;
     for (int c = 0; c < 3; ++c) {
@@ -135,6 +138,7 @@ class MotionSearch {
     for (const Vec3d& arm : m_arms) m_turned.push_back(m_motion.turn(arm));
     NearestPoint nearest;
     for (int n = 0; n < kMostConstraints; ++n) {
+      poll(m_progress);
       step = solve_upper(lower, nearest.x());
       for (std::size_t a = 0; a < 6; ++a) step[a] += minimum[a];
       Vec6 row;
@@ -149,28 +153,38 @@ class MotionSearch {
   /// The bound that a small motion misses by most, as row . x >= row . step + missing; false where
   /// it meets all.
   bool most_violated(const SmallMotion& step, Vec6& row, double& missing) const {
-    missing = kRoundingVoxels / 4;
-    int sign = 0, coordinate = 0;
-    std::size_t found = 0;
-    for (std::size_t n = 0; n < m_arms.size(); ++n) {
-      const Vec3d way = m_turned[n] - m_arms[n] + m_motion.shift_lps_mm + step.shift +
-                        step.turn.cross(m_turned[n]);
-      for (int c = 0; c < 3; ++c) {
-        const double offset = m_index_rows[std::size_t(c)].dot(way);
-        const auto [low, high] = room(n, std::size_t(c));
-        const double excess = std::max(low - offset, offset - high);
-        if (excess <= missing) continue;
-        missing = excess;
-        sign = low > offset ? 1 : -1;
-        found = n;
-        coordinate = c;
-      }
-    }
-    if (sign == 0) return false;
+    using Range = tbb::blocked_range<std::size_t>;
+    const Violation worst = tbb::parallel_reduce(
+        Range(0, m_arms.size(), 2048), Violation(),
+        [&](const Range& range, Violation most) {
+          for (std::size_t n = range.begin(); n < range.end(); ++n) look_at(n, step, most);
+          return most;
+        },
+        [](const Violation& a, const Violation& b) { return b.missing > a.missing ? b : a; });
+    missing = worst.missing;
+    if (worst.sign == 0) return false;
     // g . (v + w x s) = g . v + w . (s x g)
-    const Vec3d gradient = m_index_rows[std::size_t(coordinate)] * double(sign);
-    row = joined(gradient, m_turned[found].cross(gradient));
+    const Vec3d gradient = m_index_rows[std::size_t(worst.coordinate)] * double(worst.sign);
+    row = joined(gradient, m_turned[worst.element].cross(gradient));
     return true;
+  }
+
+  /// Of the bounds that are missed by equally much the first one counts.
+  struct Violation {
+    double missing = kRoundingVoxels / 4;
+    std::size_t element = 0;
+    int coordinate = 0, sign = 0;
+  };
+
+  void look_at(std::size_t n, const SmallMotion& step, Violation& most) const {
+    const Vec3d way =
+        m_turned[n] - m_arms[n] + m_motion.shift_lps_mm + step.shift + step.turn.cross(m_turned[n]);
+    for (int c = 0; c < 3; ++c) {
+      const double offset = m_index_rows[std::size_t(c)].dot(way);
+      const auto [low, high] = room(n, std::size_t(c));
+      const double excess = std::max(low - offset, offset - high);
+      if (excess > most.missing) most = {excess, n, c, low > offset ? 1 : -1};
+    }
   }
 
   /// How far the element may go from where it starts, in voxels.
@@ -206,13 +220,15 @@ class MotionSearch {
   std::array<Vec3d, 3> m_index_rows;                                   // LPS mm to voxels
   double m_count = 0, m_radius_mm = 0, m_voxel_mm = 1;
   RigidMotion m_motion;
+  const Progress* m_progress;
 };
 
 }  // namespace
 
 std::optional<RigidPose> smallest_pose(const Body& body, const RigidPiece& piece,
-                                       const std::vector<ElementBounds>& bounds, double cube_mm) {
-  return MotionSearch(body, piece, bounds, cube_mm).run();
+                                       const std::vector<ElementBounds>& bounds, double cube_mm,
+                                       const Progress* progress) {
+  return MotionSearch(body, piece, bounds, cube_mm, progress).run();
 }
 
 }  // namespace supple

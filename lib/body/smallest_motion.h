@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "lib/body/body.h"
+#include "volumes/base/progress.h"
 
 namespace supple {
 
@@ -28,9 +29,9 @@ struct ElementBounds {
 
 /// The pose that the smallest motion takes the piece to from where its motion starts; bounds, of
 /// elements of the piece, hold for rounded offsets there. `cube_mm`: edge of each element as a
-/// cube, at least its voxel. Nothing where no motion meets the bounds.
+/// cube, at least its voxel. Nothing where no motion meets the bounds. Throws Cancelled.
 std::optional<RigidPose> smallest_pose(const Body& body, const RigidPiece& piece,
-                                       const std::vector<ElementBounds>& bounds,
-                                       double cube_mm = 0);
+                                       const std::vector<ElementBounds>& bounds, double cube_mm = 0,
+                                       const Progress* progress = nullptr);
 
 }  // namespace supple

@@ -136,7 +136,7 @@ bool FreePoses::find_group(const std::vector<Handle>& handles, std::vector<FreeP
     for (std::size_t g = 0; g < group.size(); ++g) {
       FreePose& free = found[group[g]];
       const auto pose =
-          smallest_pose(m_body, *pieces[g], bounds[g], kCarriedShifts * shift_mm(free));
+          smallest_pose(m_body, *pieces[g], bounds[g], kCarriedShifts * shift_mm(free), m_progress);
       if (!pose && !skips_impossible) return false;
       if (!pose) continue;
       free.pose = *pose;
