@@ -239,6 +239,16 @@ Image first_of(LivePicture& picture) {
   return picture.first_pixels(kBudgetMs);
 }
 
+TEST_F(UnitLiveLoop, AFirstPictureHasAQuarterOfTheWidthHoweverLate) {
+  SceneView view = m_live->view();
+  view.size = {128, 128};
+  LivePicture picture(m_live->session(), view, m_console);
+  EXPECT_TRUE(picture.follow());
+  constexpr double kBudgetMs = 1e-3;
+  picture.prepare(kBudgetMs);
+  EXPECT_GE(picture.first_pixels(kBudgetMs).width, 32);
+}
+
 TEST_F(UnitLiveLoop, ADragAfterASettledPictureIsSeenAtOnceAsItSettles) {
   SceneView view = m_live->view();
   view.size = {64, 64};

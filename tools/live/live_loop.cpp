@@ -22,6 +22,9 @@ constexpr auto kRest = 500ms;
 /// Without events, before a picture settles while something is grabbed: it may take an inverse, and
 /// the hand would wait for that.
 constexpr auto kStill = 150ms;
+/// Of the budget that a picture has in any case: it is late rather than blurred where solving took
+/// long.
+constexpr double kLeastOfPicture = 0.5;
 
 }  // namespace
 
@@ -223,7 +226,9 @@ void LiveLoop::draw(const Stopwatch& since_event) {
   if (!(m_is_moving ? m_picture.follow_view() : m_picture.follow())) return;
   const double budget = m_frame.budget_ms;
   const Stopwatch& since = m_is_moving ? preparing : since_event;
-  const auto left = [&] { return budget > 0 ? std::max(budget - since.ms(), 1e-3) : 0; };
+  const auto left = [&] {
+    return budget > 0 ? std::max(budget - since.ms(), kLeastOfPicture * budget) : 0;
+  };
   m_picture.prepare(left());
   m_watcher.spent(LivePhase::prepare, preparing);
   const Stopwatch drawing;

@@ -17,7 +17,7 @@ namespace supple::tools {
 
 namespace {
 
-constexpr double kSmallest = 1.0 / 8;    // of width and height, of a picture in a hurry
+constexpr double kSmallest = 1.0 / 4;    // of width and height, of a picture in a hurry
 constexpr double kLeastPart = 0.25;      // of the budget that rays have in any case
 constexpr double kBudgetToAimAt = 0.85;  // what is left covers what varies
 constexpr double kMostFollowed = 0.5;    // of all pixels
