@@ -294,6 +294,18 @@ TEST(PropertySmallestMotion, MeetsItsBoundsAndNoPoseBesideItIsSmaller) {
   EXPECT_LE(impossible, 80);
 }
 
+TEST(PropertySmallestMotion, ItsSearchCanBeCancelled) {
+  class Stopped final : public Progress {
+   public:
+    void stage(std::string_view) override {}
+    void update(double) override {}
+    bool cancelled() const override { return true; }
+  } stopped;
+  std::mt19937 random(24);
+  const BoundedPiece given = random_piece(random);
+  EXPECT_THROW(smallest_pose(given.body, given.piece, given.bounds, 0, &stopped), Cancelled);
+}
+
 TEST(PropertySmallestMotion, OfBoundsThatContradictEachOtherThereIsNone) {
   std::mt19937 random(22);
   for (int n = 0; n < 50; ++n) {
