@@ -75,24 +75,26 @@ struct PaddedRows {
 class Extrapolation {
  public:
   void add(const Vec3f& near) {
-    for (int a = 0; a < 3; ++a) m_mean[a] += double(near[a]);
+    m_mean += lanes(near);
     ++m_count;
   }
   /// `far` lies behind `near`.
   void add_row(const Vec3f& near, const Vec3f& far) {
-    for (int a = 0; a < 3; ++a) {
-      const double slope = double(near[a]) - double(far[a]);
-      m_linear[a] += double(near[a]) + (slope > 1 ? 1 : slope < -1 ? -1 : slope);
-    }
+    const Lanes from = lanes(near), slope = from - lanes(far), one = Lanes{} + 1;
+    m_linear += from + (slope > one ? one : slope < -one ? -one : slope);
     ++m_rows;
   }
   bool empty() const { return m_count + m_rows == 0; }
   Vec3f value() const {
-    return m_rows > 0 ? Vec3f(m_linear / double(m_rows)) : Vec3f(m_mean / double(m_count));
+    const Lanes mean = m_rows > 0 ? m_linear / double(m_rows) : m_mean / double(m_count);
+    return Vec3f(Vec3d(mean[0], mean[1], mean[2]));
   }
 
  private:
-  Vec3d m_mean{0, 0, 0}, m_linear{0, 0, 0};
+  using Lanes = double __attribute__((vector_size(32)));  // of which three count
+  static Lanes lanes(const Vec3f& v) { return Lanes{double(v.x), double(v.y), double(v.z), 0}; }
+
+  Lanes m_mean{}, m_linear{};
   int m_count = 0, m_rows = 0;
 };
 
