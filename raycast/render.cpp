@@ -63,12 +63,11 @@ void Renderer::set_offsets(const OffsetField* offsets, OffsetResolution resoluti
   m_impl->last_changed = {};
 }
 
-void Renderer::update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets) {
-  if (m_impl->lattice->pointwise() != nullptr) {
-    throw InputError({"", "offsets", "offsets that jump", "offsets set without a cut"});
-  }
+void Renderer::update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets,
+                              std::shared_ptr<const PointwiseOffsets> split) {
   m_impl->is_pointwise = false;
-  const std::vector<std::size_t> bricks = m_impl->lattice->update(changed, offsets);
+  const std::vector<std::size_t> bricks =
+      m_impl->lattice->update(changed, offsets, std::move(split));
   ++m_impl->version;
   m_impl->last_changed.resize(m_impl->lattice->brick_count());
   for (const std::size_t b : bricks) m_impl->last_changed[b] = m_impl->version;
@@ -100,7 +99,7 @@ std::unique_ptr<RenderContext> Renderer::prepare(const Camera& camera,
 }
 
 std::optional<std::uint64_t> Renderer::version() const {
-  if (m_impl->is_pointwise || m_impl->lattice->pointwise() != nullptr) return std::nullopt;
+  if (m_impl->is_pointwise) return std::nullopt;
   return m_impl->version;
 }
 

@@ -58,9 +58,11 @@ class Renderer {
                    OffsetResolution resolution = OffsetResolution::full);
 
   /// Follows a local change of the offsets set last: those in the bricks at these origins (unique)
-  /// are now those that `offsets` finds, and may be gone. As IncrementalInversion::update and
-  /// finder say. Throws InputError when those offsets jump.
-  void update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets);
+  /// are now those that `offsets` finds, and may be gone; `split`: where they jump, the bricks of
+  /// which that have changed, come or gone are among them. As IncrementalCutInversion::update,
+  /// finder and split say.
+  void update_offsets(const std::vector<Vec3i>& changed, const VectorBrickFinder& offsets,
+                      std::shared_ptr<const PointwiseOffsets> split = nullptr);
 
   /// Until offsets are set or updated: samples in the bricks of `offsets` find their own offsets,
   /// and all others are at rest. To be called again when they have changed. For example

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include <tbb/parallel_for.h>
+
 namespace supple {
 
 namespace {
@@ -241,16 +243,17 @@ Vec3d CutLips::carried_on(Slot beyond, Slot own) const {
 
 /// Where each lip ends now.
 CutLips::Points CutLips::points(int axis, int side) const {
-  Points points;
-  for (const Lip& lip : m_sheets[std::size_t(axis)].lips) {
+  const std::vector<Lip>& lips = m_sheets[std::size_t(axis)].lips;
+  Points points(lips.size());
+  tbb::parallel_for(std::size_t(0), lips.size(), [&](std::size_t n) {
+    const Lip& lip = lips[n];
     const Slot own = lip.ends[std::size_t(side)];
     const Vec3d near = displacement(own);
     const Vec3d far = carried_on(lip.ends[std::size_t(1 - side)], own);
     const double part = side == 0 ? lip.place : 1 - lip.place;
-    Vec3d point = Vec3d(lip.low) + near + (far - near) * part;
-    point[axis] += lip.place;
-    points.push_back(point);
-  }
+    points[n] = Vec3d(lip.low) + near + (far - near) * part;
+    points[n][axis] += lip.place;
+  });
   return points;
 }
 
@@ -312,12 +315,15 @@ void CutLips::for_each_facing(int axis, Visit&& visit) const {
   const Sheets& sheets = m_sheets[std::size_t(axis)];
   if (sheets.cells.empty()) return;
   const std::array<Points, 2> at = {points(axis, 0), points(axis, 1)};
+  using Faced = std::pair<std::size_t, Facing>;  // a cell
+  std::vector<std::vector<Faced>> faced(sheets.lips.size());
   for (int side = 0; side < 2; ++side) {
     const Points& others = at[std::size_t(1 - side)];
     const CellFinder finder(sheets, others, axis);
-    for (std::size_t n = 0; n < sheets.lips.size(); ++n) {
+    tbb::parallel_for(std::size_t(0), sheets.lips.size(), [&](std::size_t n) {
       const Lip& lip = sheets.lips[n];
       const Vec3d& point = at[std::size_t(side)][n];
+      faced[n].clear();
       finder.for_each_at(lip.sheet, point, [&](std::size_t c, const std::array<double, 4>& w) {
         if (!is_of_one_layer(sheets, n, sheets.cells[c])) return;
         double height = 0;
@@ -332,8 +338,11 @@ void CutLips::for_each_facing(int axis, Visit&& visit) const {
         Vec3d slid = from - Vec3d(lip.low);
         slid[axis] = 0;
         const double gap = side == 0 ? height - point[axis] : point[axis] - height;
-        visit(side, n, sheets.cells[c], Facing{w, gap, slid.length()});
+        faced[n].emplace_back(c, Facing{w, gap, slid.length()});
       });
+    });
+    for (std::size_t n = 0; n < faced.size(); ++n) {
+      for (const auto& [c, facing] : faced[n]) visit(side, n, sheets.cells[c], facing);
     }
   }
 }

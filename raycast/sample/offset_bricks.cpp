@@ -55,6 +55,12 @@ BrickIndex with_neighbours(const std::vector<Vec3i>& origins) {
   return found;
 }
 
+std::vector<std::size_t> all_numbers(std::size_t count) {
+  std::vector<std::size_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::size_t(0));
+  return numbers;
+}
+
 void keep_every_second(const float* all, float* out) {
   for (int x = 0; x < BrickNodes::kDim; x += 2) {
     for (int y = 0; y < BrickNodes::kDim; y += 2) {
@@ -92,7 +98,9 @@ OffsetBricks::OffsetBricks(const SourceBricks& source, const VectorBricks& offse
       m_offsets(kBrickDim / node_spacing + 1),
       m_pointwise(std::move(pointwise)) {
   take_over(offsets);
-  if (m_pointwise != nullptr) mark_pointwise();
+  if (m_pointwise == nullptr) return;
+  mark_pointwise();
+  find_pointwise_ranges(all_numbers(m_states.size()));
 }
 
 std::size_t OffsetBricks::add_brick(const Vec3i& origin) {
@@ -106,17 +114,25 @@ std::size_t OffsetBricks::add_brick(const Vec3i& origin) {
 }
 
 std::vector<std::size_t> OffsetBricks::update(const std::vector<Vec3i>& changed,
-                                              const VectorBrickFinder& offsets) {
+                                              const VectorBrickFinder& offsets,
+                                              std::shared_ptr<const PointwiseOffsets> pointwise) {
   const BrickIndex touched = with_neighbours(changed);
   std::vector<std::size_t> bricks;
   for (const Vec3i& origin : touched.origins()) bricks.push_back(add_brick(origin));
   std::vector<std::int32_t> before;
   for (const std::size_t b : bricks) before.push_back(m_states[b]);
+  unmark_pointwise();
   gather(bricks, offsets);
   join_valid();
+  m_pointwise = std::move(pointwise);
+  if (m_pointwise != nullptr) {
+    mark_pointwise();
+    find_pointwise_ranges(bricks);
+  }
   std::vector<std::size_t> others;
   for (std::size_t n = 0; n < bricks.size(); ++n) {
-    const bool stays = before[n] < kDeformed && before[n] == m_states[bricks[n]];
+    const std::int32_t state = m_states[bricks[n]];
+    const bool stays = before[n] < kDeformed && before[n] > kPointwise && before[n] == state;
     if (!stays) others.push_back(bricks[n]);
   }
   return others;
@@ -251,8 +267,8 @@ void OffsetBricks::set_pointwise(std::shared_ptr<const PointwiseOffsets> pointwi
   m_valid_bounds = {};
   if (m_pointwise == nullptr) return;
   const BrickTopology& bricks = m_pointwise->bricks();
-  for (std::size_t n = 0; n < bricks.brick_count(); ++n) add_brick(bricks.origin(n));
   mark_pointwise();
+  find_pointwise_ranges(all_numbers(m_states.size()));
   m_valid_bounds = bricks.active_bounds();
 }
 
@@ -267,17 +283,30 @@ bool OffsetBricks::keep_interpolated(std::size_t n, std::int32_t slot) {
   return true;
 }
 
+/// Pointwise bricks are deformed ones again where they have interpolated cells, else empty.
+void OffsetBricks::unmark_pointwise() {
+  for (std::size_t b = 0; b < m_states.size(); ++b) {
+    if (!is_pointwise(b)) continue;
+    const std::size_t n = pointwise_brick(b);
+    const std::int32_t slot = n < m_pointwise_slots.size() ? m_pointwise_slots[n] : -1;
+    m_states[b] = slot >= 0 ? slot : kEmpty;
+  }
+  m_pointwise_slots.clear();
+  m_interpolated.clear();
+}
+
 void OffsetBricks::mark_pointwise() {
   const BrickTopology& bricks = m_pointwise->bricks();
   for (std::size_t n = 0; n < bricks.brick_count(); ++n) {
-    const std::int32_t b = m_index.find(bricks.origin(n));
-    if (b < 0) continue;
-    if (is_deformed(std::size_t(b)) && !keep_interpolated(n, m_states[std::size_t(b)])) {
-      m_offsets.give_back(m_states[std::size_t(b)]);
-    }
+    const std::size_t b = add_brick(bricks.origin(n));
+    if (is_deformed(b) && !keep_interpolated(n, m_states[b])) m_offsets.give_back(m_states[b]);
     m_states[b] = kPointwise - std::int32_t(n);
   }
-  tbb::parallel_for(std::size_t(0), m_states.size(), [&](std::size_t b) {
+}
+
+void OffsetBricks::find_pointwise_ranges(const std::vector<std::size_t>& bricks) {
+  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    const std::size_t b = bricks[n];
     if (!is_pointwise(b)) return;
     Vec3d lo, hi;
     m_pointwise->source_box(pointwise_brick(b), lo, hi);

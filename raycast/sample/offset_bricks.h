@@ -25,11 +25,13 @@ class OffsetBricks {
                std::shared_ptr<const PointwiseOffsets> pointwise = nullptr, int node_spacing = 1);
 
   /// Follows a change of the offsets: those in the bricks at these origins (unique) are now those
-  /// that `offsets` finds, and may be gone; all others are unchanged. The bricks are then those
-  /// that the changed offsets would have given, but for pointwise ones, of which there may be none.
-  /// Returns the bricks that may read other densities than before.
+  /// that `offsets` finds, and may be gone; all others are unchanged. Bricks of `pointwise` that
+  /// are new, gone, or find other offsets or faces than before are among them. The bricks are then
+  /// those that the changed offsets would have given. Returns the bricks that may read other
+  /// densities than before.
   std::vector<std::size_t> update(const std::vector<Vec3i>& changed,
-                                  const VectorBrickFinder& offsets);
+                                  const VectorBrickFinder& offsets,
+                                  std::shared_ptr<const PointwiseOffsets> pointwise = nullptr);
   /// Replaces the pointwise offsets of bricks that are otherwise straight; null: none.
   void set_pointwise(std::shared_ptr<const PointwiseOffsets> pointwise);
 
@@ -89,7 +91,9 @@ class OffsetBricks {
   bool is_straight(std::size_t b, const BrickNodes& nodes) const;
   EncodedRange range_beneath(std::size_t b) const;
   EncodedRange range_of(std::size_t b, const BrickNodes& nodes) const;
+  void unmark_pointwise();
   void mark_pointwise();
+  void find_pointwise_ranges(const std::vector<std::size_t>& bricks);
   bool keep_interpolated(std::size_t n, std::int32_t slot);
 
   const SourceBricks* m_source;

@@ -3,7 +3,9 @@
 
 #include "raycast/march/shading.h"
 #include "raycast/pictures/compare.h"
+#include "raycast/progressive.h"
 #include "tests/raycast/scenes.h"
+#include "volumes/field/brick_lists.h"
 #include "volumes/field/cuts/cut_offsets.h"
 
 namespace supple {
@@ -29,13 +31,17 @@ struct CutSlab {
   }
   template <class Move>
   OffsetField moved(Move&& u, const LinkCuts& by) const {
+    return invert_cut({geometry, field_of(u)}, {elements, by});
+  }
+  template <class Move>
+  VectorBricks field_of(Move&& u) const {
     VectorBricks field{elements, BrickVectors(elements.brick_count())};
     for (std::size_t b = 0; b < elements.brick_count(); ++b) {
       for_each_active(elements.mask(b), [&](int offset) {
         field.vectors.touch(b)[offset] = Vec3f(u(Vec3d(elements.origin(b) + brick_local(offset))));
       });
     }
-    return invert_cut({geometry, std::move(field)}, {elements, by});
+    return field;
   }
   Image picture(const OffsetField& field, const TransferFunction& function,
                 const std::string& view = "anterior", const std::vector<Clip>& clips = {}) const {
@@ -364,6 +370,57 @@ TEST(PropertyCutPictures, BesideACutEachSideIsLitByItsOwnDisplacementAlone) {
     ++compared;
   }
   EXPECT_GT(compared, 70);
+}
+
+/// The cut opens, opens further, moves with its tissue, closes and is taken back.
+TEST(PropertyCutPictures, ARendererThatFollowsACutBodyDrawsWhatANewOneDraws) {
+  const CutSlab slab;
+  VectorBricks rest{slab.elements, BrickVectors(slab.elements.brick_count())};
+  IncrementalCutInversion inversion({slab.geometry, rest}, {slab.elements, {}});
+  Renderer following(slab.geometry, slab.density);
+  const OffsetField at_rest = inversion.offsets();
+  following.set_offsets(&at_rest);
+  RenderSettings settings = small_picture(80);
+  const Camera camera = default_camera(slab.geometry, 1, "anterior", Projection::orthographic);
+  const TransferFunction function = fog_function(0.1);
+  auto finished = std::make_unique<ProgressiveRender>(following, camera, function, settings);
+  while (finished->refine()) {
+  }
+  const auto lips = [](double opening, double from, double to) {
+    return [=](const Vec3d& X) {
+      const bool is_moved = X.z > from && X.z < to;
+      const double near = std::max(0.0, 1 - std::abs(X.x - 19.5) / 12);
+      return Vec3d(is_moved ? (X.x < 19.5 ? -opening : opening) * near : 0, 0, 0);
+    };
+  };
+  struct Step {
+    std::function<Vec3d(const Vec3d&)> u;
+    bool is_cut;
+  };
+  int followed = 0;
+  for (const Step& step :
+       {Step{lips(0, 0, 40), true}, Step{lips(1.5, 10, 22), true}, Step{lips(2.5, 10, 22), true},
+        Step{lips(2.5, 8, 30), true}, Step{lips(-0.5, 16, 22), true}, Step{lips(0, 0, 40), true},
+        Step{lips(2, 10, 22), true}, Step{lips(0, 0, 40), false}}) {
+    const VectorBricks u = slab.field_of(step.u);
+    inversion.set_cuts(step.is_cut ? slab.cuts : LinkCuts());
+    const std::vector<Vec3i> touched =
+        inversion.update({slab.geometry, u}, all_bricks(slab.elements));
+    following.update_offsets(touched, inversion.finder(), inversion.split());
+    const OffsetField field = slab.moved(step.u, step.is_cut ? slab.cuts : LinkCuts());
+    Renderer anew(slab.geometry, slab.density);
+    anew.set_offsets(&field);
+    const Image expected = anew.render(camera, function, settings);
+    ASSERT_EQ(following.render(camera, function, settings).rgba, expected.rgba);
+    ASSERT_TRUE(finished->may_be_followed());
+    auto next = finished->follow();
+    followed += next->changed_pixels() < 80 * 80;
+    while (next->refine()) {
+    }
+    ASSERT_EQ(to_image(next->picture()).rgba, expected.rgba);
+    finished = std::move(next);
+  }
+  EXPECT_GT(followed, 2);
 }
 
 }  // namespace supple

@@ -313,25 +313,5 @@ TEST(PropertyLiveOffsets, WithoutMovementThePictureIsTheStraightOneBitForBit) {
   EXPECT_EQ(scene.draw(renderer).rgba, rest.rgba);
 }
 
-class OneSplitBrick final : public SplitOffsets {
- public:
-  OneSplitBrick() { set_bricks({Vec3i(40)}); }
-  bool sample(std::size_t, const Vec3d&, Sample&) const override { return false; }
-  bool offset_of(int, const Vec3d&, Vec3d&) const override { return false; }
-  double depth_mm(int, const Vec3d&) const override { return 0; }
-  void source_box(std::size_t, Vec3d& lo, Vec3d& hi) const override {
-    lo = Vec3d(1), hi = Vec3d(0);
-  }
-};
-
-TEST(FaultLiveOffsets, OffsetsThatJumpAreNotUpdated) {
-  const LiveScene scene;
-  Renderer renderer(scene.geometry, scene.density);
-  OffsetField offsets = invert(scene.displaced(bump_warp(kMiddle, 20, 9)));
-  offsets.split = std::make_shared<OneSplitBrick>();
-  renderer.set_offsets(&offsets);
-  EXPECT_THROW(renderer.update_offsets({}, finder_of(offsets.o)), InputError);
-}
-
 }  // namespace
 }  // namespace supple

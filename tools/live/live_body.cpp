@@ -25,9 +25,8 @@ void LiveBody::open(Interpolation interpolation) {
   m_moved = std::make_unique<LiveDisplacement>(m_state.geometry, m_state.elements,
                                                m_state.density.bricks());
   m_moved->update(m_state.q);
-  InvertParams params;
-  params.material = &m_state.elements;
-  m_inversion = std::make_unique<IncrementalInversion>(displacement(), params, &m_progress);
+  m_cuts = m_session.cuts();
+  m_inversion = new_inversion();
   m_forward = std::make_shared<ForwardOffsets>(displacement(), &m_state.elements);
   m_renderer = std::make_unique<Renderer>(m_state.geometry, m_state.density, 0, interpolation);
   m_for_forward.clear();
@@ -35,9 +34,7 @@ void LiveBody::open(Interpolation interpolation) {
   m_shown = Shown::nothing;
   m_renderer_follows = false;
   m_field.reset();
-  m_cut_inversion.reset();
-  m_cuts = m_session.cuts();
-  m_is_cut_stale = true;
+  m_is_stale = false;
 }
 
 bool LiveBody::follow() {
@@ -51,12 +48,8 @@ bool LiveBody::follow() {
   m_for_inverse.insert(changed.begin(), changed.end());
   const LinkCuts& cuts = m_session.cuts();
   const bool is_cut = cuts != m_cuts;
-  if (is_cut) {
-    if (cuts.count() < m_cuts.count()) m_cut_inversion.reset();
-    if (cuts.empty()) m_shown = Shown::nothing;
-    m_cuts = cuts;
-  }
-  m_is_cut_stale = m_is_cut_stale || is_cut || !changed.empty();
+  if (is_cut) m_cuts = cuts;
+  m_is_stale = m_is_stale || is_cut || !changed.empty();
   return is_cut || !changed.empty();
 }
 
@@ -71,29 +64,44 @@ void LiveBody::show_forward() {
 }
 
 void LiveBody::show_inverse(OffsetResolution resolution) {
-  if (!m_cuts.empty()) return show_cut_inverse(resolution);
-  const bool is_up_to_date = m_shown == Shown::inverse && m_for_inverse.empty();
-  if (is_up_to_date) return;
+  if (m_shown == Shown::inverse && !m_is_stale) return;
   const Stopwatch time;
   const double bricks = double(m_for_inverse.size());
-  const std::vector<Vec3i> touched = m_inversion->update(displacement(), take(m_for_inverse));
-  if (!touched.empty()) m_field.reset();
-  if (!m_renderer_follows || resolution == OffsetResolution::half) {
+  const bool follows = std::exchange(m_renderer_follows, false);  // unless it throws
+  const std::vector<Vec3i> touched = update_inverse();
+  if (!follows || resolution == OffsetResolution::half) {
     m_renderer->set_offsets(&inverse(), resolution);
   } else {
-    m_renderer->update_offsets(touched, m_inversion->finder());
+    m_renderer->update_offsets(touched, m_inversion->finder(), m_inversion->split());
   }
   m_renderer_follows = true;
   m_shown = Shown::inverse;
   m_inverse_brick.add(time.ms(), bricks);
 }
 
-/// Where links are cut the displacement may jump.
-void LiveBody::show_cut_inverse(OffsetResolution resolution) {
-  if (m_shown == Shown::inverse && !m_is_cut_stale) return;
-  m_renderer->set_offsets(&inverse(), resolution);
-  m_renderer_follows = false;
-  m_shown = Shown::inverse;
+/// The bricks that are others than before. An inversion that throws is made anew the next time.
+std::vector<Vec3i> LiveBody::update_inverse() {
+  if (!m_is_stale) return {};
+  m_field.reset();
+  std::vector<Vec3i> touched;
+  std::unique_ptr<IncrementalCutInversion> inversion = std::move(m_inversion);
+  const std::vector<std::int32_t> changed = take(m_for_inverse);
+  if (inversion) {
+    inversion->set_cuts(m_cuts);
+    touched = inversion->update(displacement(), changed);
+  } else {
+    inversion = new_inversion();
+  }
+  m_inversion = std::move(inversion);
+  m_is_stale = false;
+  return touched;
+}
+
+std::unique_ptr<IncrementalCutInversion> LiveBody::new_inversion() {
+  InvertParams params;
+  params.material = &m_state.elements;
+  return std::make_unique<IncrementalCutInversion>(
+      displacement(), CutElements{m_state.elements, m_cuts}, params, &m_progress);
 }
 
 void LiveBody::show_rest() {
@@ -103,24 +111,8 @@ void LiveBody::show_rest() {
 }
 
 const OffsetField& LiveBody::inverse() {
-  if (m_cuts.empty()) {
-    if (!m_field) m_field = m_inversion->offsets();
-    return *m_field;
-  }
-  if (m_is_cut_stale) update_cut_inverse();
-  return m_cut_inversion->field();
-}
-
-void LiveBody::update_cut_inverse() {
-  if (m_cut_inversion) {
-    m_cut_inversion->update(displacement(), &m_progress);
-  } else {
-    InvertParams params;
-    params.material = &m_state.elements;
-    m_cut_inversion = std::make_unique<IncrementalCutInversion>(
-        displacement(), CutElements{m_state.elements, m_cuts}, params, &m_progress);
-  }
-  m_is_cut_stale = false;
+  if (!m_field) m_field = m_inversion->offsets();
+  return *m_field;
 }
 
 RestPlaceAt rest_places(LiveBody& body) {

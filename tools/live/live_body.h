@@ -1,7 +1,7 @@
 // The body of a live session as rays read it: its displacement, and offsets from it that samples
 // solve for themselves or that an inverse holds, brought up to date where the body has moved.
 //
-// Cost: of the bricks that have changed since; with cut links of the whole displacement.
+// Cost: of the bricks that have changed since.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,6 @@
 #include "volumes/base/progress.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/inversion/forward_offsets.h"
-#include "volumes/field/inversion/invert.h"
 #include "volumes/state/live_displacement.h"
 
 namespace supple::tools {
@@ -55,10 +54,10 @@ class LiveBody {
   const OffsetField& inverse();
 
  private:
-  void show_cut_inverse(OffsetResolution resolution);
-  void update_cut_inverse();
   using Changed = std::set<std::int32_t>;
   static std::vector<std::int32_t> take(Changed& changed);
+  std::vector<Vec3i> update_inverse();
+  std::unique_ptr<IncrementalCutInversion> new_inversion();
 
   Session& m_session;
   Progress& m_progress;
@@ -67,7 +66,7 @@ class LiveBody {
   int m_opened_count = 0;
   std::unique_ptr<LiveDisplacement> m_moved;
   std::shared_ptr<ForwardOffsets> m_forward;
-  std::unique_ptr<IncrementalInversion> m_inversion;
+  std::unique_ptr<IncrementalCutInversion> m_inversion;
   std::unique_ptr<Renderer> m_renderer;
   Changed m_for_forward, m_for_inverse;  // bricks in which the displacement has changed since
   enum class Shown { nothing, forward, inverse, rest };
@@ -75,8 +74,7 @@ class LiveBody {
   bool m_renderer_follows = false;     // the renderer has kept all offsets of m_inversion so far
   std::optional<OffsetField> m_field;  // those of m_inversion, copied
   LinkCuts m_cuts;
-  std::unique_ptr<IncrementalCutInversion> m_cut_inversion;  // of elements and m_cuts
-  bool m_is_cut_stale = true;
+  bool m_is_stale = false;  // m_inversion has not taken over everything
   CostPer m_forward_brick{0.02}, m_inverse_brick{0.08};
 };
 

@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "volumes/field/brick_lists.h"
 #include "volumes/grid/mask_steps.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
@@ -46,22 +47,6 @@ void fill_ring(const BrickMask& ring, int number, RingFill fill, const Surroundi
       set(offset, extrapolate<false>(padded, brick_local(offset), vectors_of));
     });
   }
-}
-
-/// The bricks and all that touch them, ascending.
-std::vector<std::int32_t> with_neighbours(const BrickTopology& topology,
-                                          const std::vector<std::int32_t>& bricks) {
-  std::vector<std::uint8_t> listed(topology.brick_count(), 0);
-  for (const std::int32_t b : bricks) {
-    for (const std::int32_t n : surroundings_of(topology, std::size_t(b))) {
-      if (n >= 0) listed[n] = 1;
-    }
-  }
-  std::vector<std::int32_t> result;
-  for (std::size_t b = 0; b < listed.size(); ++b) {
-    if (listed[b]) result.push_back(std::int32_t(b));
-  }
-  return result;
 }
 
 /// Drops what is not valid; brick order stays. `valid_of(b)`: the valid voxels of brick b.

@@ -3,7 +3,6 @@
 #include "volumes/base/text.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/inversion/hidden_elements.h"
-#include "volumes/field/inversion/source_cells.h"
 
 namespace supple {
 
@@ -60,10 +59,7 @@ Pose invert_state(const State& state, Progress* progress) {
 }
 
 bool has_open_cuts(const State& state, const Displacement& extended) {
-  if (state.cuts.empty()) return false;
-  const Vec3i& dims = state.geometry.dims();
-  const CutBody cut(extended.u, state.elements, state.cuts, dims);
-  return !torn_cells(thickened(extended.u, dims), cut, kClosedCut).empty();
+  return has_open_cut(extended, {state.elements, state.cuts});
 }
 
 Displacement on_elements(const Geometry& geometry, const BrickTopology& elements,

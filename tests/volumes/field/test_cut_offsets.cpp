@@ -306,11 +306,17 @@ TEST(PropertyCutOffsets, TheFastWaysToAPieceFindWhatAllPiecesTell) {
     });
     const Vec3i dims = u.geometry.dims();
     const CutBody cut(u.u, elements, cuts, dims);
-    const std::vector<TornCell> torn = torn_cells(u.u, cut, kClosedCut);
-    const CutFaces faces(torn, cut, u.geometry, kClosedCut);
-    CutInversion inversion(u.u, torn, faces, elements, dims);
-    OffsetField field;
-    for (const CutBrick& brick : inversion.split_bricks(field, nullptr)) {
+    const BrickList all = all_bricks(cut.cells());
+    TornCells torn(cut.cells());
+    torn.follow(u.u, cut, all, kClosedCut);
+    CutFaces faces(cut.cells(), u.geometry, kClosedCut);
+    faces.follow(torn, cut, all);
+    CutInversion inversion(cut.cells(), elements, dims);
+    inversion.follow(u.u, torn, faces, {all, all, all});
+    const OffsetField whole = invert({u.geometry, {inversion.whole(), u.u.vectors}});
+    inversion.split(u.u, torn, faces, finder_of(whole.o), {}, nullptr);
+    for (const auto& split : inversion.bricks()) {
+      const CutBrick& brick = split->cut;
       int guess = -1;
       const int places = brick.pieces().empty() ? 0 : cases(2000);
       for (int n = 0; n < places; ++n) {

@@ -5,8 +5,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/field/inversion/reachable_bricks.h"
+#include "volumes/field/inversion/source_cells.h"
 #include "volumes/grid/cell.h"
+#include "volumes/grid/mask_steps.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -14,83 +15,35 @@ namespace supple {
 
 namespace {
 
-constexpr int kShellRings = 2;
-// Tissue joins two elements beside the air where it leads from one to the other within the box
-// around them and as many voxels more.
-constexpr int kDetour = 2;
-// Elements that no tissue joins are parted where they have moved apart by more, in voxels.
-constexpr double kMovedApart = 1;
-// Nearer to a surface than this, in voxels, an element is on the side that its cut links say.
-constexpr double kUndecided = 0.05;
+// How far a cut link can be seen, in bricks: the side of a voxel follows from crossings within the
+// blocks of planes around it, whose normals follow from those around them, and an owner is two
+// voxels away.
+constexpr int kSeenBricks = 3;
+// Links of the shell may be cut so near to a cut link, in voxels.
+constexpr int kBesideCut = 3;
 
-Vec3i unit(int axis) {
+Vec3i unit_step(int axis) {
   Vec3i step(0);
   step[axis] = 1;
   return step;
 }
 
-/// Voxels of the 27 around one, itself left out.
-template <class Visit>
-void for_neighbours(const Vec3i& voxel, Visit&& visit) {
-  for (int n = 0; n < 27; ++n) {
-    if (n != 13) visit(voxel + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1));
-  }
-}
-
-/// Along the normal of the one, of the other.
-double same_way(const CutPlanes::Side& one, const CutPlanes::Side& other) {
-  return one.normal.dot(other.normal) < 0 ? -other.distance : other.distance;
-}
-
-/// Where a surface is not known nothing is on another side.
-bool is_same_side(const CutPlanes::Side& a, const CutPlanes::Side& b) {
-  return !a.is_known || !b.is_known || std::signbit(a.distance) == std::signbit(same_way(a, b));
-}
-
-/// Where the surface crosses the link from one to the other; 0: unknown.
-LinkCuts::Place place_between(const CutPlanes::Side& low, const CutPlanes::Side& high) {
-  if (!low.is_known || !high.is_known || is_same_side(low, high)) return 0;
-  const double apart = low.distance - same_way(low, high);
-  return LinkCuts::place_of(apart == 0 ? 0.5 : low.distance / apart);
-}
-
-/// Of displacements.
-struct MoveBox {
-  Vec3f lo{HUGE_VALF, HUGE_VALF, HUGE_VALF}, hi{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
-
-  void add(const Vec3f& move) { add({move, move}); }
-  void add(const MoveBox& other) {
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], other.lo[a]);
-      hi[a] = std::max(hi[a], other.hi[a]);
-    }
-  }
-  bool is_apart() const { return lo.x <= hi.x && (hi - lo).length() > kMovedApart; }
-};
-
 }  // namespace
+
+CutBody::CutBody(const BrickTopology& voxels, const BrickTopology& elements, const Vec3i& dims)
+    : m_voxels(voxels),
+      m_elements(elements),
+      m_cells(thickened(voxels, dims)),
+      m_dims(dims),
+      m_bricks(voxels.brick_count()),
+      m_moves(voxels.brick_count()),
+      m_parted(m_cells.brick_count()) {}
 
 CutBody::CutBody(const VectorBricks& u, const BrickTopology& elements, const LinkCuts& cuts,
                  const Vec3i& dims)
-    : m_voxels(u.topology), m_elements(elements), m_dims(dims) {
-  std::vector<Link> links;
-  for (std::size_t b = 0; b < cuts.brick_end(); ++b) {
-    const LinkCuts::BrickCuts* brick = cuts.brick(b);
-    for (int axis = 0; brick != nullptr && axis < 3; ++axis) {
-      for_each_active((*brick)[axis], [&](int offset) {
-        links.push_back({elements.origin(b) + brick_local(offset), axis});
-        const LinkCuts::Place place = cuts.place(b, offset, axis);
-        mark(links.back(), place);
-        if (place == 0) return;
-        Vec3d at(links.back().low);
-        at[axis] += LinkCuts::fraction_of(place);
-        m_planes.add(at, axis);
-      });
-    }
-  }
-  m_planes.fit();
-  cut_shell(u, links);
-  find_parted_cells();
+    : CutBody(u.topology, elements, dims) {
+  set_cuts(cuts);
+  follow(u, all_bricks(m_voxels));
 }
 
 Vec3i CutBody::in_slice(Vec3i voxel) const {
@@ -100,187 +53,170 @@ Vec3i CutBody::in_slice(Vec3i voxel) const {
   return voxel;
 }
 
-bool CutBody::is_voxel(const Vec3i& voxel) const {
-  return m_voxels.is_active(in_slice(voxel));
+CutBody::OfBrick& CutBody::touch(std::size_t b) {
+  if (!m_bricks[b]) m_bricks[b] = std::make_unique<OfBrick>();
+  return *m_bricks[b];
 }
 
-void CutBody::mark(const Link& link, LinkCuts::Place place) {
-  CutAxes& axes = m_cut[link.low];
-  axes.bits |= std::uint8_t(1 << link.axis);
-  if (place != 0) axes.places[std::size_t(link.axis)] = place;
+/// Null where nothing is known of the voxel's brick.
+const CutBody::OfBrick* CutBody::brick_of(const Vec3i& voxel, int& offset) const {
+  const Vec3i at = in_slice(voxel);
+  const std::int32_t b = m_voxels.find(at);
+  if (b < 0 || !m_bricks[std::size_t(b)]) return nullptr;
+  offset = brick_offset(at);
+  return m_bricks[std::size_t(b)].get();
 }
 
 bool CutBody::is_cut(const Vec3i& low, int axis) const {
-  const auto found = m_cut.find(in_slice(low));
-  return found != m_cut.end() && (found->second.bits >> axis & 1);
+  int offset;
+  const OfBrick* const brick = brick_of(low, offset);
+  return brick != nullptr && mask_test(brick->cut[std::size_t(axis)], offset);
+}
+
+bool CutBody::is_element_cut(const Vec3i& low, int axis) const {
+  int offset;
+  const OfBrick* const brick = brick_of(low, offset);
+  return brick != nullptr && mask_test(brick->of_elements[std::size_t(axis)], offset);
 }
 
 LinkCuts::Place CutBody::place(const Link& link) const {
-  const auto found = m_cut.find(in_slice(link.low));
-  return found == m_cut.end() ? LinkCuts::Place(0) : found->second.places[std::size_t(link.axis)];
+  int offset;
+  const OfBrick* const brick = brick_of(link.low, offset);
+  if (brick == nullptr || brick->places.empty()) return 0;
+  return brick->places[std::size_t(link.axis * kBrickVoxels + offset)];
 }
 
-/// The voxel itself where none is in reach.
-CutBody::Owner CutBody::owner_of(const Vec3i& voxel) const {
-  Owner owner{in_slice(voxel), side_of(voxel)};
-  if (is_element(voxel)) return owner;
-  int shortest = 3 * kShellRings * kShellRings + 1, shortest_of_any = shortest;
-  Vec3i nearest = owner.element;
-  for (int x = -kShellRings; x <= kShellRings; ++x) {
-    for (int y = -kShellRings; y <= kShellRings; ++y) {
-      for (int z = -kShellRings; z <= kShellRings; ++z) {
-        const Vec3i step(x, y, z);
-        const int length2 = step.dot(step);
-        if (length2 >= shortest || !is_element(voxel + step)) continue;
-        if (length2 < shortest_of_any) {
-          shortest_of_any = length2;
-          nearest = voxel + step;
-        }
-        if (!is_same_side(owner.side, side_of(voxel + step))) continue;
-        shortest = length2;
-        owner.element = in_slice(voxel + step);
-      }
+/// Takes over the links of one brick; whether any of them is another.
+bool CutBody::take_over(const LinkCuts& cuts, std::size_t element_brick) {
+  const LinkCuts::BrickCuts* const given = cuts.brick(element_brick);
+  const auto b = std::size_t(m_voxels.find(m_elements.origin(element_brick)));
+  if (given == nullptr && !m_bricks[b]) return false;
+  AxisMasks links{};
+  std::vector<LinkCuts::Place> places;
+  for (int axis = 0; given != nullptr && axis < 3; ++axis) {
+    links[std::size_t(axis)] = (*given)[std::size_t(axis)];
+    for_each_active(links[std::size_t(axis)], [&](int offset) {
+      const LinkCuts::Place place = cuts.place(element_brick, offset, axis);
+      if (place == 0) return;
+      places.resize(3 * kBrickVoxels, 0);
+      places[std::size_t(axis * kBrickVoxels + offset)] = place;
+    });
+  }
+  OfBrick& brick = touch(b);
+  if (brick.of_elements == links && brick.element_places == places) return false;
+  brick.of_elements = links;
+  brick.element_places = std::move(places);
+  return true;
+}
+
+void CutBody::set_cuts(const LinkCuts& cuts) {
+  BrickList changed;
+  for (std::size_t b = 0; b < m_elements.brick_count(); ++b) {
+    if (take_over(cuts, b)) changed.push_back(m_voxels.find(m_elements.origin(b)));
+  }
+  if (changed.empty()) return;
+  m_cut_links = cuts.count();
+  fit_planes();
+  BrickList seen = changed;
+  for (int ring = 0; ring < kSeenBricks; ++ring) seen = with_neighbours(m_voxels, seen);
+  for (const std::int32_t b : seen) {
+    if (!m_bricks[std::size_t(b)]) continue;
+    m_bricks[std::size_t(b)]->known = {};
+    m_bricks[std::size_t(b)]->candidates.clear();
+  }
+  mark_beside_cuts(with_neighbours(m_voxels, changed));
+  m_newly_cut = unite(m_newly_cut, seen);
+}
+
+void CutBody::fit_planes() {
+  m_planes = {};
+  for (std::size_t b = 0; b < m_bricks.size(); ++b) {
+    const OfBrick* const brick = m_bricks[b].get();
+    if (brick == nullptr || brick->element_places.empty()) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      for_each_active(brick->of_elements[std::size_t(axis)], [&](int offset) {
+        const LinkCuts::Place place =
+            brick->element_places[std::size_t(axis * kBrickVoxels + offset)];
+        if (place == 0) return;
+        Vec3d at(m_voxels.origin(b) + brick_local(offset));
+        at[axis] += LinkCuts::fraction_of(place);
+        m_planes.add(at, axis);
+      });
     }
   }
-  if (shortest > 3 * kShellRings * kShellRings) owner.element = in_slice(nearest);
-  return owner;
+  m_planes.fit();
 }
 
-/// Whether elements within a box lead from one to another, over links that are cut or not.
-bool CutBody::joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, bool over_cuts) const {
-  const Vec3i size = box.hi - box.lo + Vec3i(1);
-  std::vector<bool> is_reached(std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z));
-  std::vector<Vec3i> reached;
-  const auto reach = [&](const Vec3i& voxel) {
-    const Vec3i at = voxel - box.lo;
-    auto is_known = is_reached[(std::size_t(at.x) * std::size_t(size.y) + std::size_t(at.y)) *
-                                   std::size_t(size.z) +
-                               std::size_t(at.z)];
-    if (!is_known) reached.push_back(voxel);
-    is_known = true;
-  };
-  reach(from);
-  for (std::size_t n = 0; n < reached.size(); ++n) {
-    if (reached[n] == to) return true;
-    for (int face = 0; face < 6; ++face) {
-      const Vec3i here = reached[n], next = here + unit(face / 2) * (face % 2 ? 1 : -1);
-      if (!box.contains(next) || !is_element(next)) continue;
-      if (over_cuts || !is_cut(face % 2 ? here : next, face / 2)) reach(next);
+/// The air within three voxels of a cut link, in these bricks.
+void CutBody::mark_beside_cuts(const BrickList& bricks) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (const std::int32_t b : with_neighbours(m_voxels, bricks)) {
+    const OfBrick* const brick = m_bricks[std::size_t(b)].get();
+    if (brick == nullptr) continue;
+    BrickMask low{};
+    for (const BrickMask& links : brick->of_elements) add(links, low);
+    origins.push_back(m_voxels.origin(std::size_t(b)));
+    masks.push_back(low);
+  }
+  const BrickTopology near = dilate(BrickTopology(origins, masks), kBesideCut);
+  for (const std::int32_t b : bricks) {
+    BrickMask beside = air_of(std::size_t(b));
+    const std::int32_t n = near.find(m_voxels.origin(std::size_t(b)));
+    keep(n < 0 ? BrickMask{} : near.mask(std::size_t(n)), beside);
+    if (m_bricks[std::size_t(b)] || mask_count(beside) > 0) {
+      touch(std::size_t(b)).beside_cuts = beside;
     }
   }
-  return false;
 }
 
-/// Whether two elements are on different sides: parted by cuts in the smallest box around them in
-/// which tissue had joined them, or apart where none does.
-bool CutBody::separates(const VectorBricks& u, const Vec3i& a, const Vec3i& b) const {
-  if (a == b || !is_element(a) || !is_element(b)) return false;
-  IndexBox box{a, a};
-  for (int axis = 0; axis < 3; ++axis) {
-    box.lo[axis] = std::min(a[axis], b[axis]);
-    box.hi[axis] = std::max(a[axis], b[axis]);
-  }
-  for (int margin = 0; margin <= kDetour; ++margin) {
-    if (joins(box, a, b, true)) return !joins(box, a, b, false);
-    box.lo -= Vec3i(1);
-    box.hi += Vec3i(1);
-  }
-  Vec3f of_a(0), of_b(0);
-  return u.at(a, of_a) && u.at(b, of_b) && (of_a - of_b).length() > kMovedApart;
-}
-
-/// Voxels of the shell that touch elements which have moved apart.
-std::vector<Vec3i> CutBody::contested_voxels(const VectorBricks& u) const {
-  const BrickTopology& voxels = m_voxels;
-  std::vector<MoveBox> moves(voxels.brick_count());
-  tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
-    const std::int32_t own = m_elements.find(voxels.origin(b));
+CutBody::Changes CutBody::follow(const VectorBricks& u, const BrickList& changed) {
+  const BrickList newly_cut = std::exchange(m_newly_cut, {});
+  const BrickList around = with_neighbours(m_voxels, changed);
+  tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
+    const auto b = std::size_t(changed[n]);
+    m_moves[b] = {};
+    const std::int32_t own = m_elements.find(m_voxels.origin(b));
     if (own < 0) return;
     for_each_active(m_elements.mask(std::size_t(own)),
-                    [&](int offset) { moves[b].add(u.vectors.brick_or_zero(b)[offset]); });
+                    [&](int offset) { m_moves[b].add(u.vectors.brick_or_zero(b)[offset]); });
   });
-  std::vector<std::vector<Vec3i>> found(moves.size());
-  tbb::parallel_for(std::size_t(0), moves.size(), [&](std::size_t b) {
-    MoveBox around;
-    for (const std::int32_t n : surroundings_of(voxels, b)) {
-      if (n >= 0) around.add(moves[std::size_t(n)]);
+  const BrickList contested = find_contested(u, around);
+  const BrickList aired = find_air(unite(with_neighbours(m_voxels, contested), newly_cut));
+  BrickList linked = unite(with_lower_neighbours(m_voxels, aired), newly_cut);
+  linked = unite(linked, bricks_where(around, [&](std::size_t b) {
+                   return m_bricks[b] && !m_bricks[b]->candidates.empty();
+                 }));
+  linked = bricks_where(linked, [&](std::size_t b) {
+    if (!m_bricks[b] && links_in_air(b) != AxisMasks{}) touch(b);
+    return m_bricks[b] != nullptr;
+  });
+  std::vector<std::uint8_t> is_other(linked.size());
+  tbb::parallel_for(std::size_t(0), linked.size(),
+                    [&](std::size_t n) { is_other[n] = cut_links_in(u, std::size_t(linked[n])); });
+  Changes changes;
+  for (std::size_t n = 0; n < linked.size(); ++n) {
+    if (is_other[n]) changes.links.push_back(linked[n]);
+  }
+  BrickList beside;  // of cells()
+  for (const std::int32_t b : unite(changes.links, newly_cut)) {
+    for (int n = 0; n < kCellCorners; ++n) {
+      const Vec3i origin = m_voxels.origin(std::size_t(b)) - cell_corner(n) * kBrickDim;
+      if (const std::int32_t c = m_cells.find(origin); c >= 0) beside.push_back(c);
     }
-    if (!around.is_apart()) return;
-    for_each_active(voxels.mask(b), [&](int offset) {
-      const Vec3i voxel = voxels.origin(b) + brick_local(offset);
-      if (is_element(voxel)) return;
-      MoveBox touching;
-      for_neighbours(voxel, [&](const Vec3i& beside) {
-        Vec3f move;
-        if (is_element(beside) && u.at(in_slice(beside), move)) touching.add(move);
-      });
-      if (touching.is_apart()) found[b].push_back(voxel);
-    });
-  });
-  std::vector<Vec3i> contested;
-  for (const auto& part : found) contested.insert(contested.end(), part.begin(), part.end());
-  return contested;
-}
-
-/// Within three voxels of a cut link, and within one of a contested voxel.
-BrickTopology CutBody::shell_beside_cuts(const VectorBricks& u,
-                                         const std::vector<Link>& links) const {
-  std::vector<Vec3i> low;
-  for (const Link& link : links) low.push_back(link.low);
-  const BrickTopology near =
-      unite(dilate(topology_of(low), 3), dilate(topology_of(contested_voxels(u)), 1));
-  return subtract(intersect(near, m_voxels), m_elements);
-}
-
-void CutBody::cut_shell(const VectorBricks& u, const std::vector<Link>& links) {
-  const BrickTopology shell = shell_beside_cuts(u, links);
-  const BrickTopology around = intersect(dilate(shell, 1), m_voxels);
-  std::vector<std::vector<Owner>> owners(around.brick_count());
-  tbb::parallel_for(std::size_t(0), owners.size(), [&](std::size_t b) {
-    owners[b].resize(kBrickVoxels);
-    for_each_active(around.mask(b), [&](int offset) {
-      owners[b][std::size_t(offset)] = owner_of(around.origin(b) + brick_local(offset));
-    });
-  });
-  const auto owner_at = [&](const Vec3i& voxel) -> const Owner& {
-    return owners[std::size_t(around.find(voxel))][std::size_t(brick_offset(voxel))];
-  };
-  using Added = std::vector<std::pair<Link, LinkCuts::Place>>;
-  std::vector<Added> added(shell.brick_count());
-  tbb::parallel_for(std::size_t(0), added.size(), [&](std::size_t b) {
-    for_each_active(shell.mask(b), [&](int offset) {
-      const Vec3i voxel = shell.origin(b) + brick_local(offset);
-      for (int face = 0; face < 6; ++face) {
-        const Vec3i next = voxel + unit(face / 2) * (face % 2 ? 1 : -1);
-        if (!m_voxels.is_active(next)) continue;
-        const Link link{face % 2 ? voxel : next, face / 2};
-        const Owner& low = owner_at(link.low);
-        const Owner& high = owner_at(face % 2 ? next : voxel);
-        if (separates(u, low.element, high.element)) {
-          added[b].emplace_back(link, place_between(low.side, high.side));
-        }
-      }
-    });
-  });
-  for (const Added& of_brick : added) {
-    for (const auto& [link, place] : of_brick) mark(link, place);
   }
-}
-
-/// Of an element beside the surface what its cut links say, since rounding has a say in planes.
-CutPlanes::Side CutBody::side_of(const Vec3i& voxel) const {
-  CutPlanes::Side side = m_planes.side_of(Vec3d(voxel));
-  if (!side.is_known || std::abs(side.distance) > kUndecided || !is_element(voxel)) return side;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double slope = side.normal[axis];
-    if (std::abs(slope) < 0.1) continue;
-    const bool is_low = is_cut(voxel, axis) && is_element(voxel + unit(axis));
-    const bool is_high = is_cut(voxel - unit(axis), axis) && is_element(voxel - unit(axis));
-    if (is_low == is_high) continue;
-    side.distance = std::copysign(std::abs(side.distance), is_low ? -slope : slope);
-    return side;
+  std::sort(beside.begin(), beside.end());
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  is_other.assign(beside.size(), 0);
+  tbb::parallel_for(std::size_t(0), beside.size(), [&](std::size_t n) {
+    std::vector<PartedCell> parted = find_parted(std::size_t(beside[n]));
+    is_other[n] = parted != m_parted[std::size_t(beside[n])];
+    m_parted[std::size_t(beside[n])] = std::move(parted);
+  });
+  for (std::size_t n = 0; n < beside.size(); ++n) {
+    if (is_other[n]) changes.parted.push_back(beside[n]);
   }
-  return side;
+  return changes;
 }
 
 bool CutBody::connects(const Vec3i& from, const Vec3i& to) const {
@@ -356,23 +292,36 @@ void CutBody::join_around(const Vec3i& cell, CellSides& sides) const {
   }
 }
 
-void CutBody::find_parted_cells() {
-  std::vector<Vec3i> cells;
-  for (const auto& [low, axes] : m_cut) {
+/// The cells that begin in a brick, beside its cut links and those of the bricks above.
+std::vector<PartedCell> CutBody::find_parted(std::size_t b) const {
+  const Vec3i& origin = m_cells.origin(b);
+  BrickMask beside{};
+  const auto add_cell = [&](const Vec3i& cell) {
+    if (Vec3i(cell.x & ~7, cell.y & ~7, cell.z & ~7) == origin) {
+      mask_set(beside, brick_offset(cell));
+    }
+  };
+  for (int n = 0; n < kCellCorners; ++n) {
+    const std::int32_t above = m_voxels.find(origin + cell_corner(n) * kBrickDim);
+    if (above < 0 || !m_bricks[std::size_t(above)]) continue;
     for (int axis = 0; axis < 3; ++axis) {
-      if (!(axes.bits >> axis & 1)) continue;
-      const Vec3i u = unit((axis + 1) % 3), v = unit((axis + 2) % 3);
-      for (const Vec3i& cell : {low, low - u, low - v, low - u - v}) cells.push_back(cell);
+      const Vec3i v = unit_step((axis + 1) % 3), w = unit_step((axis + 2) % 3);
+      for_each_active(m_bricks[std::size_t(above)]->cut[std::size_t(axis)], [&](int offset) {
+        const Vec3i low = m_voxels.origin(std::size_t(above)) + brick_local(offset);
+        for (const Vec3i& cell : {low, low - v, low - w, low - v - w}) add_cell(cell);
+      });
     }
   }
-  sort_unique(cells);
-  for (const Vec3i& cell : cells) {
-    bool complete = true;
-    for (int n = 0; n < 8 && complete; ++n) {
-      complete = is_voxel(cell + Vec3i(n >> 2, n >> 1 & 1, n & 1));
+  std::vector<PartedCell> parted;
+  for_each_active(beside, [&](int offset) {
+    const Vec3i cell = origin + brick_local(offset);
+    for (int n = 0; n < kCellCorners; ++n) {
+      if (!is_voxel(cell + cell_corner(n))) return;
     }
-    if (complete && sides(cell).count > 1) m_parted.push_back(cell);
-  }
+    const CellSides of_cell = sides(cell);
+    if (of_cell.count > 1) parted.push_back({cell, of_cell});
+  });
+  return parted;
 }
 
 }  // namespace supple

@@ -1,20 +1,25 @@
 // A body with cut links, as the inversion sees it: which corners of a lattice cell are still on the
-// same side, and one value of u per side where there used to be one per voxel.
+// same side.
 //
 // Two corners of a cell are on the same side when uncut links of that cell connect them. A cut goes
 // on through the shell around the elements, where each voxel belongs to its nearest element; beside
 // a surface that is known, to the nearest on its own side of it (cut_planes.h). Links there are cut
 // when a cut lies between the elements of their ends, or when no tissue joins these within a few
 // voxels and they have moved apart by more than one, so that no tissue is stretched over a slit of
-// air through which the cut goes. Cost: about 1 µs per cut link; beyond, 1 µs per shell voxel of
-// bricks in which elements move apart.
+// air through which the cut goes.
+//
+// All is kept by bricks, and follows where the cuts or the elements of bricks have changed; what a
+// brick holds depends on the cuts and displacements around it and on nothing else. Cost: about 1 µs
+// per cut link; beyond, 1 µs per shell voxel of bricks in which elements move apart.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <unordered_map>
 #include <vector>
 
+#include "volumes/field/brick_lists.h"
 #include "volumes/field/cuts/cut_planes.h"
 #include "volumes/field/vector_bricks.h"
 #include "volumes/grid/link_cuts.h"
@@ -26,6 +31,18 @@ namespace supple {
 struct CellSides {
   std::array<std::uint8_t, 8> of{};
   int count = 1;
+
+  bool operator==(const CellSides& other) const { return of == other.of && count == other.count; }
+};
+
+/// A cell whose corners are voxels of several sides.
+struct PartedCell {
+  Vec3i cell;
+  CellSides sides;
+
+  bool operator==(const PartedCell& other) const {
+    return cell == other.cell && sides == other.sides;
+  }
 };
 
 class CutBody {
@@ -35,69 +52,110 @@ class CutBody {
     int axis;
   };
 
-  /// `u`: on elements and shell; those of elements count. `cuts`: links between elements, bricks as
-  /// in `elements`, which outlives the body. Along an axis of `dims` with one slice, its copies
+  /// Without cuts. `voxels`: elements and shell. Along an axis of `dims` with one slice, its copies
   /// below and above count as voxels, too.
+  CutBody(const BrickTopology& voxels, const BrickTopology& elements, const Vec3i& dims);
+  /// `u`: on elements and shell; those of elements count. `cuts`: links between elements, bricks as
+  /// in `elements`, which outlives the body.
   CutBody(const VectorBricks& u, const BrickTopology& elements, const LinkCuts& cuts,
           const Vec3i& dims);
 
+  /// Other cuts from the next follow() on.
+  void set_cuts(const LinkCuts& cuts);
+  struct Changes {
+    BrickList links;   // of the voxels: in which links are cut or whole that were not
+    BrickList parted;  // of cells(): in which parted cells or their sides are others
+  };
+  /// Follows displacements of elements that have changed in these bricks of the voxels.
+  Changes follow(const VectorBricks& u, const BrickList& changed);
+
+  bool has_cuts() const { return !m_planes.empty() || m_cut_links > 0; }
   bool is_cut(const Vec3i& low, int axis) const;
   /// Where the surface crosses a link that is cut; 0: unknown.
   LinkCuts::Place place(const Link& link) const;
+  const BrickTopology& voxels() const { return m_voxels; }
   const BrickTopology& elements() const { return m_elements; }
   bool is_element(const Vec3i& voxel) const { return m_elements.is_active(in_slice(voxel)); }
   /// Whether uncut links lead from one corner of a cell to another.
   bool connects(const Vec3i& from, const Vec3i& to) const;
-  CellSides sides(const Vec3i& cell) const;
-  /// Sorted; all corners are voxels, and they have several sides.
-  const std::vector<Vec3i>& parted_cells() const { return m_parted; }
+  /// The voxels with the copies of a slice: cells begin in these bricks.
+  const BrickTopology& cells() const { return m_cells; }
+  /// Sorted.
+  const std::vector<PartedCell>& parted_in(std::size_t b) const { return m_parted[b]; }
 
  private:
-  Vec3i in_slice(Vec3i voxel) const;
-  bool is_voxel(const Vec3i& voxel) const;
-  struct CutAxes {
-    std::uint8_t bits = 0;  // 0 to 2: axes
-    std::array<LinkCuts::Place, 3> places{};
-  };
-  void mark(const Link& link, LinkCuts::Place place = 0);
-  CutPlanes::Side side_of(const Vec3i& voxel) const;
-  /// The element that a voxel goes with, and its side of the surface.
+  /// A voxel's element, and its side of the surface.
   struct Owner {
     Vec3i element;
     CutPlanes::Side side;
   };
+  enum class Parting { none, always, when_apart };
+  /// A link with an end in the air that a cut may part.
+  struct Candidate {
+    std::int16_t offset;  // of its lower end
+    std::int8_t axis;
+    Parting parting;
+    LinkCuts::Place place;
+    Vec3i low, high;  // elements of its ends
+  };
+  using AxisMasks = std::array<BrickMask, 3>;
+  struct OfBrick {
+    AxisMasks cut{};                                      // links by their lower ends
+    AxisMasks of_elements{};                              // of them, those between elements
+    std::vector<LinkCuts::Place> element_places, places;  // empty, or 512 per axis
+    BrickMask beside_cuts{};                              // air within three voxels of a cut
+    BrickMask contested{};                                // air that touches what has moved apart
+    BrickMask air{};                                      // where links may be cut
+    AxisMasks known{};                                    // links among which candidates are known
+    std::vector<Candidate> candidates;
+  };
+  /// Displacements of the elements of a brick.
+  struct MoveBox {
+    Vec3f lo{HUGE_VALF, HUGE_VALF, HUGE_VALF}, hi{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
+
+    void add(const Vec3f& move) { add({move, move}); }
+    void add(const MoveBox& other);
+    bool is_apart() const;
+  };
+  using Owners = std::unordered_map<Vec3i, Owner, VoxelHash>;
+
+  Vec3i in_slice(Vec3i voxel) const;
+  bool is_voxel(const Vec3i& voxel) const { return m_voxels.is_active(in_slice(voxel)); }
+  const OfBrick* brick_of(const Vec3i& voxel, int& offset) const;
+  OfBrick& touch(std::size_t b);
+  bool is_element_cut(const Vec3i& low, int axis) const;
+  BrickMask air_of(std::size_t b) const;
+  bool take_over(const LinkCuts& cuts, std::size_t element_brick);
+  void fit_planes();
+  void mark_beside_cuts(const BrickList& bricks);
+
+  CutPlanes::Side side_of(const Vec3i& voxel) const;
   Owner owner_of(const Vec3i& voxel) const;
-  void join_around(const Vec3i& cell, CellSides& sides) const;
-  std::vector<Vec3i> contested_voxels(const VectorBricks& u) const;
-  BrickTopology shell_beside_cuts(const VectorBricks& u, const std::vector<Link>& links) const;
-  void cut_shell(const VectorBricks& u, const std::vector<Link>& links);
+  const Owner& owner_of(const Vec3i& voxel, Owners& known) const;
   bool joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, bool over_cuts) const;
-  bool separates(const VectorBricks& u, const Vec3i& a, const Vec3i& b) const;
-  void find_parted_cells();
+  Parting parting_of(const Vec3i& a, const Vec3i& b) const;
+  bool have_moved_apart(const VectorBricks& u, const Vec3i& a, const Vec3i& b) const;
+
+  BrickList find_contested(const VectorBricks& u, const BrickList& around);
+  BrickMask contested_in(const VectorBricks& u, std::size_t b) const;
+  BrickList find_air(const BrickList& bricks);
+  AxisMasks links_in_air(std::size_t b) const;
+  void find_candidates(std::size_t b, const AxisMasks& links);
+  bool cut_links_in(const VectorBricks& u, std::size_t b);
+  std::vector<PartedCell> find_parted(std::size_t b) const;
+  CellSides sides(const Vec3i& cell) const;
+  void join_around(const Vec3i& cell, CellSides& sides) const;
 
   BrickTopology m_voxels;  // elements and shell
   const BrickTopology& m_elements;
+  BrickTopology m_cells;
   Vec3i m_dims;
-  std::unordered_map<Vec3i, CutAxes, VoxelHash> m_cut;
+  std::vector<std::unique_ptr<OfBrick>> m_bricks;  // of the voxels; null: nothing to say
+  std::vector<MoveBox> m_moves;                    // of the voxels' bricks
   CutPlanes m_planes;
-  std::vector<Vec3i> m_parted;
+  std::int64_t m_cut_links = 0;
+  BrickList m_newly_cut;  // around what set_cuts() has changed
+  std::vector<std::vector<PartedCell>> m_parted;
 };
-
-/// u extended over the shell anew where a cut parts it: each voxel there looks at its own side
-/// only. Everything else keeps its bits.
-void extend_beside_cuts(VectorBricks& u, const CutBody& body);
-
-/// A parted cell whose sides are apart: displacements of its corners as each side has them.
-struct TornCell {
-  Vec3i cell;
-  CellSides sides;
-  std::vector<std::array<Vec3f, 8>> u;  // per side
-};
-
-/// Where the own corners of a side end, u is extrapolated: linearly along links where there are two
-/// in a row, else constant. Cells that share a corner of a side share what they extrapolate, so
-/// that a side is continuous from cell to cell. Sides that are nowhere further apart than `closed`
-/// voxels count as one. Sorted by cell.
-std::vector<TornCell> torn_cells(const VectorBricks& u, const CutBody& body, double closed);
 
 }  // namespace supple

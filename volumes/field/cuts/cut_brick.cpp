@@ -42,46 +42,93 @@ Vec3d offset_of(const CutPiece& piece, const Vec3d& X, const Vec3d& x) {
 
 }  // namespace
 
-void CutBrick::find_reaching() {
-  m_pieces.shrink_to_fit();
-  m_maps.reserve(m_pieces.size());
-  for (const CutPiece& piece : m_pieces) m_maps.emplace_back(piece);
-  const auto for_parts = [&](const CutPiece& piece, auto&& visit) {
-    const Vec3d at(piece.cell - m_origin);
-    Vec3i lo, hi;
-    for (int a = 0; a < 3; ++a) {
-      lo[a] = int(std::floor(std::max((at[a] + piece.lo[a] - 1e-3) * kParts, 0.0)));
-      hi[a] = int(std::floor(std::min((at[a] + piece.hi[a] + 1e-3) * kParts, kPartDim - 1.0)));
+/// `visit(part)` for all that the box of a piece touches.
+template <class Visit>
+void CutBrick::for_parts(const CutPiece& piece, Visit&& visit) const {
+  const Vec3d at(piece.cell - m_origin);
+  Vec3i lo, hi;
+  for (int a = 0; a < 3; ++a) {
+    lo[a] = int(std::floor(std::max((at[a] + piece.lo[a] - 1e-3) * kParts, 0.0)));
+    hi[a] = int(std::floor(std::min((at[a] + piece.hi[a] + 1e-3) * kParts, kPartDim - 1.0)));
+  }
+  for (int x = lo.x; x <= hi.x; ++x) {
+    for (int y = lo.y; y <= hi.y; ++y) {
+      const std::size_t row = (std::size_t(x) * kPartDim + std::size_t(y)) * kPartDim;
+      for (int z = lo.z; z <= hi.z; ++z) visit(row + std::size_t(z));
     }
-    for (int x = lo.x; x <= hi.x; ++x) {
-      for (int y = lo.y; y <= hi.y; ++y) {
-        const std::size_t row = (std::size_t(x) * kPartDim + std::size_t(y)) * kPartDim;
-        for (int z = lo.z; z <= hi.z; ++z) visit(row + std::size_t(z));
-      }
-    }
+  }
+}
+
+/// The number before of every piece, or -1. Both bricks have sides by their cells, then whole cells
+/// by their bricks.
+std::vector<std::int32_t> CutBrick::pieces_before(const CutBrick& before) const {
+  const auto comes_first = [](const CutPiece& a, const CutPiece& b) {
+    if (a.is_whole != b.is_whole) return b.is_whole;
+    if (!a.is_whole) return voxel_less(a.cell, b.cell);
+    const Vec3i brick_a(a.cell.x >> 3, a.cell.y >> 3, a.cell.z >> 3);
+    const Vec3i brick_b(b.cell.x >> 3, b.cell.y >> 3, b.cell.z >> 3);
+    return brick_a == brick_b ? voxel_less(a.cell, b.cell) : voxel_less(brick_a, brick_b);
   };
-  constexpr std::size_t kCount = std::size_t(kPartDim) * kPartDim * kPartDim;
-  m_begin.assign(kCount + 1, 0);
+  std::vector<std::int32_t> numbers(m_pieces.size(), -1);
+  std::size_t old = 0;
+  for (std::size_t n = 0; n < m_pieces.size(); ++n) {
+    while (old < before.m_pieces.size() && comes_first(before.m_pieces[old], m_pieces[n])) ++old;
+    if (old == before.m_pieces.size()) break;
+    if (before.m_pieces[old] == m_pieces[n]) numbers[n] = std::int32_t(old++);
+  }
+  return numbers;
+}
+
+CutBrick::Kept CutBrick::find_reaching(const CutBrick* before) {
+  m_pieces.shrink_to_fit();
+  Kept kept{std::vector<std::int32_t>(m_pieces.size(), -1), std::vector<bool>(kPartCount, true)};
+  if (before != nullptr) {
+    kept.piece = pieces_before(*before);
+    kept.is_other_part.assign(kPartCount, false);
+    const auto mark = [&](std::size_t part) { kept.is_other_part[part] = true; };
+    std::vector<bool> is_gone(before->m_pieces.size(), true);
+    for (std::size_t n = 0; n < m_pieces.size(); ++n) {
+      if (kept.piece[n] < 0) for_parts(m_pieces[n], mark);
+      if (kept.piece[n] >= 0) is_gone[std::size_t(kept.piece[n])] = false;
+    }
+    for (std::size_t n = 0; n < is_gone.size(); ++n) {
+      if (is_gone[n]) for_parts(before->m_pieces[n], mark);
+    }
+  }
+  m_maps.reserve(m_pieces.size());
+  for (std::size_t n = 0; n < m_pieces.size(); ++n) {
+    if (kept.piece[n] >= 0) {
+      m_maps.push_back(before->m_maps[std::size_t(kept.piece[n])]);
+    } else {
+      m_maps.emplace_back(m_pieces[n]);
+    }
+  }
+  m_begin.assign(kPartCount + 1, 0);
   for (const CutPiece& piece : m_pieces) {
     for_parts(piece, [&](std::size_t part) { ++m_begin[part + 1]; });
   }
-  for (std::size_t n = 0; n < kCount; ++n) m_begin[n + 1] += m_begin[n];
-  m_reaching.resize(std::size_t(m_begin[kCount]));
+  for (std::size_t n = 0; n < kPartCount; ++n) m_begin[n + 1] += m_begin[n];
+  m_reaching.resize(std::size_t(m_begin[kPartCount]));
   std::vector<std::int32_t> next(m_begin.begin(), m_begin.end() - 1);
   for (std::size_t p = 0; p < m_pieces.size(); ++p) {
     for_parts(m_pieces[p],
               [&](std::size_t part) { m_reaching[std::size_t(next[part]++)] = std::int32_t(p); });
   }
-  m_single.resize(kCount);
+  m_single.resize(kPartCount);
   // Mostly a part is reached by the same pieces as the one before.
-  const std::int32_t* before = m_reaching.data();
-  for (std::size_t n = 0; n < kCount; ++n) {
+  const std::int32_t* last = m_reaching.data();
+  for (std::size_t n = 0; n < kPartCount; ++n) {
     const std::int32_t* begin = m_reaching.data() + m_begin[n];
     const std::int32_t* end = m_reaching.data() + m_begin[n + 1];
-    m_single[n] =
-        n > 0 && std::equal(before, begin, begin, end) ? m_single[n - 1] : is_single(begin, end);
-    before = begin;
+    if (!kept.is_other_part[n]) {
+      m_single[n] = before->m_single[n];
+    } else {
+      m_single[n] =
+          n > 0 && std::equal(last, begin, begin, end) ? m_single[n - 1] : is_single(begin, end);
+    }
+    last = begin;
   }
+  return kept;
 }
 
 /// Different cells that hold together by faces and do not fold reach no place twice.
@@ -106,8 +153,48 @@ bool CutBrick::is_single(const std::int32_t* begin, const std::int32_t* end) con
   return reached == count;
 }
 
+/// The offsets of a brick and of those above it, as VectorBricks tells them.
+class BrickLattice {
+ public:
+  BrickLattice(const VectorBrickFinder& finder, const Vec3i& origin) : m_origin(origin) {
+    for (int n = 0; n < kCellCorners; ++n) {
+      m_views[std::size_t(n)] = finder(origin + cell_corner(n) * kBrickDim);
+    }
+  }
+
+  bool at(const Vec3i& voxel, Vec3f& vector) const {
+    const Vec3i local = voxel - m_origin;
+    const VectorBrickView& view =
+        m_views[std::size_t(4 * (local.x >> 3) + 2 * (local.y >> 3) + (local.z >> 3))];
+    const int offset = brick_offset(voxel);
+    if (view.mask == nullptr || !mask_test(*view.mask, offset)) return false;
+    vector = view.vectors[offset];
+    return true;
+  }
+  bool sample(const Vec3d& place, Vec3d& vector) const {
+    const Vec3i lo = floor_voxel(place);
+    const Vec3d t = place - Vec3d(lo);
+    Vec3d sum(0);
+    for (int n = 0; n < kCellCorners; ++n) {
+      const Vec3i step = cell_corner(n);
+      const double w =
+          (step.x ? t.x : 1 - t.x) * (step.y ? t.y : 1 - t.y) * (step.z ? t.z : 1 - t.z);
+      Vec3f v;
+      if (w == 0) continue;
+      if (!at(lo + step, v)) return false;
+      sum += Vec3d(v) * w;
+    }
+    vector = sum;
+    return true;
+  }
+
+ private:
+  Vec3i m_origin;
+  std::array<VectorBrickView, kCellCorners> m_views;
+};
+
 /// Whether what is interpolated is what samples find, in the middle of the cell and of its parts.
-bool CutBrick::bends_little(int cell, const VectorBricks& offsets, const Vec3i& dims) const {
+bool CutBrick::bends_little(int cell, const BrickLattice& offsets, const Vec3i& dims) const {
   const Vec3d low(m_origin + brick_local(cell));
   for (int n = 0; n < 9; ++n) {
     const Vec3d x = low + (n < 8 ? Vec3d(0.25) + Vec3d(cell_corner(n)) * 0.5 : Vec3d(0.5));
@@ -118,22 +205,19 @@ bool CutBrick::bends_little(int cell, const VectorBricks& offsets, const Vec3i& 
   return true;
 }
 
-void CutBrick::find_interpolated(const VectorBricks& offsets, const Vec3i& dims) {
-  for (int cell = 0; cell < kBrickVoxels; ++cell) {
+/// Of the given cells.
+void CutBrick::find_interpolated(const VectorBrickFinder& finder, const Vec3i& dims,
+                                 const BrickMask& cells) {
+  const BrickLattice offsets(finder, m_origin);
+  std::vector<std::int32_t> reaching;
+  for_each_active(cells, [&](int cell) {
     const Vec3i local = brick_local(cell);
-    std::vector<std::int32_t> reaching;
-    for (int n = 0; n < 8; ++n) {
-      const std::size_t part = part_of(Vec3d(m_origin + local) + Vec3d(cell_corner(n)) * 0.5);
-      reaching.insert(reaching.end(), m_reaching.begin() + m_begin[part],
-                      m_reaching.begin() + m_begin[part + 1]);
-    }
-    std::sort(reaching.begin(), reaching.end());
-    reaching.erase(std::unique(reaching.begin(), reaching.end()), reaching.end());
-    bool is_interpolated = is_single(reaching.data(), reaching.data() + reaching.size()) &&
-                           std::all_of(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
-                             return m_pieces[std::size_t(piece)].is_whole;
-                           });
-    for (int n = 0; n < 8 && is_interpolated; ++n) {
+    bool is_interpolated = reach_cell(local, reaching);
+    is_interpolated =
+        is_interpolated && std::all_of(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
+          return m_pieces[std::size_t(piece)].is_whole;
+        });
+    for (int n = 0; n < kCellCorners && is_interpolated; ++n) {
       const Vec3i node = m_origin + local + cell_corner(n);
       Vec3f offset;
       is_interpolated = offsets.at(node, offset) &&
@@ -141,8 +225,35 @@ void CutBrick::find_interpolated(const VectorBricks& offsets, const Vec3i& dims)
                           return m_pieces[std::size_t(piece)].has(Vec3d(node), Vec3d(offset));
                         });
     }
-    if (is_interpolated && bends_little(cell, offsets, dims)) mask_set(m_interpolated, cell);
+    is_interpolated = is_interpolated && bends_little(cell, offsets, dims);
+    const std::uint64_t bit = std::uint64_t(1) << (cell & 63);
+    std::uint64_t& word = m_interpolated[std::size_t(cell >> 6)];
+    word = is_interpolated ? word | bit : word & ~bit;
+  });
+}
+
+/// The pieces that reach the parts of a cell, ascending; whether they are single.
+bool CutBrick::reach_cell(const Vec3i& local, std::vector<std::int32_t>& reaching) const {
+  const auto part = [&](int n) {
+    return part_of(Vec3d(m_origin + local) + Vec3d(cell_corner(n)) * 0.5);
+  };
+  const auto begin_of = [&](std::size_t p) { return m_reaching.begin() + m_begin[p]; };
+  const std::size_t first = part(0);
+  reaching.assign(begin_of(first), begin_of(first + 1));
+  bool is_alike = true;  // mostly all parts are reached by the same
+  for (int n = 1; n < kCellCorners; ++n) {
+    const std::size_t p = part(n);
+    if (is_alike &&
+        std::equal(begin_of(first), begin_of(first + 1), begin_of(p), begin_of(p + 1))) {
+      continue;
+    }
+    is_alike = false;
+    reaching.insert(reaching.end(), begin_of(p), begin_of(p + 1));
   }
+  if (is_alike) return m_single[first];
+  std::sort(reaching.begin(), reaching.end());
+  reaching.erase(std::unique(reaching.begin(), reaching.end()), reaching.end());
+  return is_single(reaching.data(), reaching.data() + reaching.size());
 }
 
 std::size_t CutBrick::part_of(const Vec3d& x) const {
@@ -221,6 +332,7 @@ int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess) 
 }
 
 bool CutBrick::is_overlapped(const Vec3d& x, const Vec3i& dims) const {
+  if (m_single[part_of(x)]) return false;
   std::optional<Vec3d> first;  // place of tissue
   bool is_overlapped = false;
   for_found(x, dims, [&](int number, const Vec3d& X) {

@@ -11,13 +11,25 @@
 
 namespace supple {
 
+class BrickLattice;
+
 class CutBrick {
  public:
   explicit CutBrick(const Vec3i& origin) : m_origin(origin) {}
 
   void add(const CutPiece& piece) { m_pieces.push_back(piece); }
-  /// After the last piece was added: which of them reach which cell.
-  void find_reaching();
+  /// Cells are told apart in eight parts, each with the pieces that reach it.
+  static constexpr int kParts = 2, kPartDim = kParts * kBrickDim;
+  static constexpr std::size_t kPartCount = std::size_t(kPartDim) * kPartDim * kPartDim;
+  /// What a brick has in common with what it was before.
+  struct Kept {
+    std::vector<std::int32_t> piece;  // of every piece, its number before, or -1
+    std::vector<bool> is_other_part;  // parts that other pieces reach than before
+  };
+  /// After the last piece was added: which of them reach which part; takes over what it can from
+  /// the brick as it was `before`, or null.
+  Kept find_reaching(const CutBrick* before);
+  std::size_t part_of(const Vec3d& x) const;
 
   const Vec3i& origin() const { return m_origin; }
   const std::vector<CutPiece>& pieces() const { return m_pieces; }
@@ -28,16 +40,23 @@ class CutBrick {
   int find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess = -1) const;
   /// Finds the cells that only whole pieces of one side reach, and whose nodes on the lattice of
   /// `offsets` are theirs, and where what is interpolated is off by a fiftieth of a voxel at most.
-  void find_interpolated(const VectorBricks& offsets, const Vec3i& dims);
+  /// `cells`: those among which it looks; the others stay as they are.
+  void find_interpolated(const VectorBrickFinder& offsets, const Vec3i& dims,
+                         const BrickMask& cells);
   const BrickMask& interpolated() const { return m_interpolated; }
+  /// Until find_interpolated() looks at them.
+  void set_interpolated(const BrickMask& cells) { m_interpolated = cells; }
   /// Whether tissue lies at x that comes from elsewhere than what find() gives.
   bool is_overlapped(const Vec3d& x, const Vec3i& dims) const;
 
  private:
   bool source_of(int piece, const Vec3d& x, Vec3d& X) const;
   bool is_single(const std::int32_t* begin, const std::int32_t* end) const;
-  bool bends_little(int cell, const VectorBricks& offsets, const Vec3i& dims) const;
-  std::size_t part_of(const Vec3d& x) const;
+  bool reach_cell(const Vec3i& local, std::vector<std::int32_t>& reaching) const;
+  bool bends_little(int cell, const BrickLattice& offsets, const Vec3i& dims) const;
+  std::vector<std::int32_t> pieces_before(const CutBrick& before) const;
+  template <class Visit>
+  void for_parts(const CutPiece& piece, Visit&& visit) const;
   std::optional<int> find_single(std::size_t part, const Vec3d& x, const Vec3i& dims, Vec3d& offset,
                                  int guess) const;
   template <class Visit>
@@ -45,9 +64,7 @@ class CutBrick {
 
   Vec3i m_origin;
   std::vector<CutPiece> m_pieces;
-  std::vector<PieceMap> m_maps;  // of the pieces
-  // Cells are told apart in eight parts, each with the pieces that reach it.
-  static constexpr int kParts = 2, kPartDim = kParts * kBrickDim;
+  std::vector<PieceMap> m_maps;          // of the pieces
   std::vector<std::int32_t> m_begin;     // per part, where its pieces begin below; and the end
   std::vector<std::int32_t> m_reaching;  // numbers of pieces
   std::vector<bool> m_single;            // parts whose places have at most one piece each

@@ -1,8 +1,12 @@
-// Which bricks a cut splits, what reaches them, and how their offsets join those of the rest.
+// Which bricks of the output a cut splits, what reaches them, and how their offsets join those of
+// the rest. All of it follows torn cells, faces and displacements brick by brick: a split brick is
+// made anew where cells that reach it are others than before.
 #pragma once
 
 #include <cmath>
-#include <unordered_set>
+#include <functional>
+#include <memory>
+#include <unordered_map>
 
 #include "volumes/field/cuts/cut_offsets.h"
 
@@ -19,9 +23,15 @@ struct CutBox {
       hi[a] = std::max(hi[a], p[a]);
     }
   }
+  void add(const CutBox& other) {
+    if (other.empty()) return;
+    add(other.lo);
+    add(other.hi);
+  }
   /// In steps of bricks.
   IndexBox bricks() const {
     IndexBox box;
+    if (empty()) return box;
     for (int a = 0; a < 3; ++a) {
       box.lo[a] = int(std::floor(lo[a])) >> 3;
       box.hi[a] = int(std::floor(hi[a])) >> 3;
@@ -32,38 +42,96 @@ struct CutBox {
 
 class CutInversion {
  public:
-  CutInversion(const VectorBricks& u, const std::vector<TornCell>& torn, const CutFaces& faces,
-               const BrickTopology& elements, const Vec3i& dims);
+  /// Nothing moves. `cells`: the bricks of the displacement, which outlive the inversion.
+  CutInversion(const BrickTopology& cells, const BrickTopology& elements, const Vec3i& dims);
 
-  /// u without the corners of torn cells: what a lattice of offsets can hold.
-  VectorBricks whole_part() const;
-  /// The bricks that the cut splits; counts into the certificate what `whole_part` lacks, and puts
-  /// their overlaps in place of those that are there.
-  std::vector<CutBrick> split_bricks(OffsetField& field, Progress* progress);
-  /// The offsets of split bricks at their nodes in place of those that are there.
-  VectorBricks joined(const VectorBricks& offsets, const std::vector<CutBrick>& bricks) const;
-  /// Tells the bricks in which cells they need not be asked; `offsets`: joined().
-  void find_interpolated(const VectorBricks& offsets, std::vector<CutBrick>& bricks) const;
+  /// Bricks of cells in which something is other than before.
+  struct Changes {
+    BrickList u, torn, faces;
+  };
+  void follow(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
+              const Changes& changes);
+
+  /// The voxels of u without the corners of torn cells: those that a lattice of offsets can hold.
+  const BrickTopology& whole() const { return m_whole; }
+  /// Bricks in which the last follow() has changed them.
+  const BrickList& whole_changed() const { return m_whole_changed; }
+
+  /// After follow(): the split bricks. `lattice`: the offsets of what is whole, which have changed
+  /// in the bricks at `touched`. Returns, sorted, the origins of all bricks that read other offsets
+  /// or faces than before.
+  std::vector<Vec3i> split(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
+                           const VectorBrickFinder& lattice, const std::vector<Vec3i>& touched,
+                           Progress* progress);
+  /// The split brick with this origin, or null.
+  const SplitBrick* find(const Vec3i& origin) const {
+    const auto found = m_split.find(origin);
+    return found == m_split.end() ? nullptr : found->second.brick.get();
+  }
+  /// Sorted by origin.
+  const std::vector<std::shared_ptr<const SplitBrick>>& bricks() const { return m_bricks; }
+  /// Bricks that split() has gathered since it was made.
+  std::int64_t gathered() const { return m_gathered; }
+
+  /// The offsets of split bricks at their nodes in place of those of `lattice`.
+  VectorBricks joined(const VectorBricks& lattice) const;
+  /// Where tissue from several places lies: that of split bricks in place of what is there.
+  BrickTopology overlaps(const BrickTopology& lattice) const;
+  /// Adds what whole() lacks.
+  void count(const TornCells& torn, InversionCertificate& certificate) const;
 
  private:
-  bool is_torn(const Vec3i& cell) const { return m_torn_at.count(cell) != 0; }
-  void find_source_boxes();
-  bool corners_of(const Vec3i& cell, std::array<Vec3f, 8>& u) const;
-  CutPiece whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>& u) const;
-  std::uint8_t elements_of(const Vec3i& cell) const;
-  void count_folds(const CutPiece& piece, InversionCertificate& certificate) const;
-  std::vector<Vec3i> first_bricks(InversionCertificate& certificate) const;
-  std::vector<CutBrick> fill(const std::vector<Vec3i>& origins) const;
-  void add_pieces(std::size_t source, CutBrick& brick) const;
-  BrickMask overlaps_of(const CutBrick& brick) const;
+  struct Counts {
+    std::int64_t cells = 0, folded_cells = 0, folded_air_cells = 0;
+    double min_det = HUGE_VAL;
+  };
+  /// A source brick beside torn cells.
+  struct Source {
+    std::vector<CutPiece> sides;  // of its torn cells
+    IndexBox sides_reach;         // bricks
+    BrickMask corners{};          // voxels that are corners of torn cells
+    std::vector<Vec3i> near;      // bricks that are split in any case, sorted
+    Counts counts;                // of its whole cells that share such corners
+  };
 
-  const VectorBricks& m_u;
-  const BrickTopology& m_elements;
+  Source* source(std::size_t b) const { return m_sources[b].get(); }
+  Source& touch(std::size_t b);
+  void follow_moves(const VectorBricks& u, const BrickList& changed);
+  void make_sides(const TornCells& torn, const CutFaces& faces, const BrickList& bricks);
+  BrickList find_corners(const TornCells& torn, const BrickList& changed);
+  void replace_whole(const BrickList& bricks);
+  void find_near(const VectorBricks& u, const TornCells& torn, const BrickList& bricks);
+  void reach_stale(const IndexBox& box);
+  void reach_faces(const IndexBox& box);
+
+  bool corners_of(const VectorBricks& u, const Vec3i& cell, std::array<Vec3f, 8>& moves) const;
+  CutPiece whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>& moves) const;
+  std::uint8_t elements_of(const Vec3i& cell) const;
+  void add_pieces(const VectorBricks& u, const TornCells& torn, std::size_t source,
+                  CutBrick& brick) const;
+  std::vector<std::shared_ptr<SplitBrick>> gather(const VectorBricks& u, const TornCells& torn,
+                                                  const std::vector<Vec3i>& origins) const;
+  std::vector<Vec3i> gather_all(const VectorBricks& u, const TornCells& torn, Progress* progress);
+
+  struct Split {
+    std::shared_ptr<SplitBrick> brick;
+    bool is_stale = false;  // what reaches it may be other
+    bool knows_other_faces = false;
+  };
+
+  const BrickTopology& m_cells;
+  BrickTopology m_elements;  // with the copies of a slice
   Vec3i m_dims;
-  std::vector<CutPiece> m_sides;  // of the torn cells
-  std::unordered_set<Vec3i, VoxelHash> m_torn_at;
-  std::unordered_set<Vec3i, VoxelHash> m_corners;  // of torn cells
-  std::vector<CutBox> m_boxes;                     // moved cells of every source brick
+  std::vector<CutBox> m_moves;         // displacements of the voxels of every brick
+  std::vector<CutBox> m_corner_moves;  // and of the corners of its cells
+  std::vector<IndexBox> m_reach;       // bricks that the cells of every brick may reach
+  std::vector<std::unique_ptr<Source>> m_sources;
+  BrickTopology m_whole;
+  BrickList m_whole_changed;
+  std::unordered_map<Vec3i, int, VoxelHash> m_near;  // sources that have a brick near
+  std::unordered_map<Vec3i, Split, VoxelHash> m_split;
+  std::vector<std::shared_ptr<const SplitBrick>> m_bricks;
+  std::int64_t m_gathered = 0;
 };
 
 }  // namespace supple

@@ -9,44 +9,102 @@ namespace supple {
 
 // The surface of a cut may reach so far, in voxels, into cells that it leaves whole.
 constexpr double kGrazed = 0.25;
+// Numbers of pieces go to bricks in groups of so many.
+constexpr int kPieces = 64;
 
-CutOffsets::CutOffsets(std::vector<CutBrick> bricks, CutFaces faces, const Vec3i& dims)
-    : m_cells(std::move(bricks)), m_faces(std::move(faces)), m_dims(dims) {
+CutOffsets::CutOffsets(const BrickTopology& cells, const Geometry& geometry)
+    : m_faces(cells, geometry, kClosedCut), m_dims(geometry.dims()) {}
+
+void CutOffsets::set_bricks(const std::vector<std::shared_ptr<const SplitBrick>>& bricks) {
+  m_bricks = bricks;
+  m_first_piece.clear();
+  m_brick_of.clear();
   std::vector<Vec3i> origins;
-  for (const CutBrick& brick : m_cells) {
-    m_first_piece.push_back(int(m_brick_of.size()));
-    m_brick_of.insert(m_brick_of.end(), brick.pieces().size(), std::int32_t(origins.size()));
-    for (const CutPiece& piece : brick.pieces()) m_beside.push_back(beside(piece));
-    origins.push_back(brick.origin());
+  for (std::size_t b = 0; b < bricks.size(); ++b) {
+    const std::size_t groups = (bricks[b]->cut.pieces().size() + kPieces - 1) / kPieces;
+    m_first_piece.push_back(int(m_brick_of.size() * kPieces));
+    m_brick_of.insert(m_brick_of.end(), groups, std::int32_t(b));
+    origins.push_back(bricks[b]->cut.origin());
   }
-  set_bricks(std::move(origins));
+  if (origins != this->bricks().index().origins()) {
+    PointwiseOffsets::set_bricks(std::move(origins));
+  }
 }
 
-CutOffsets::Beside CutOffsets::beside(const CutPiece& piece) const {
-  const CutFaces::Points* const seen = m_faces.seen_from(piece.cell);
+void SplitBrick::solve(const SplitBrick* before, const Vec3i& dims) {
+  const CutBrick::Kept kept = cut.find_reaching(before == nullptr ? nullptr : &before->cut);
+  BrickMask others{};  // nodes
+  for (int n = 0; n < kBrickVoxels; ++n) {
+    const Vec3d node(cut.origin() + brick_local(n));
+    const bool is_kept = before != nullptr && !kept.is_other_part[cut.part_of(node)];
+    Vec3d offset(0);
+    const bool is_valid = is_kept ? mask_test(before->valid, n) : cut.find(node, dims, offset) >= 0;
+    offsets[std::size_t(n)] = is_kept ? before->offsets[std::size_t(n)] : Vec3f(offset);
+    if (is_valid) mask_set(valid, n);
+    if (is_kept ? mask_test(before->overlaps, n) : cut.is_overlapped(node, dims)) {
+      mask_set(overlaps, n);
+    }
+    const bool is_same = before != nullptr && is_valid == mask_test(before->valid, n) &&
+                         offsets[std::size_t(n)] == before->offsets[std::size_t(n)];
+    if (!is_same) mask_set(others, n);
+  }
+  for (int cell = 0; cell < kBrickVoxels; ++cell) {
+    bool is_other = false;
+    for (int n = 0; n < kCellCorners && !is_other; ++n) {
+      const Vec3i corner = brick_local(cell) + cell_corner(n);
+      const bool is_inside = std::max({corner.x, corner.y, corner.z}) < kBrickDim;
+      const Vec3d part = Vec3d(cut.origin() + brick_local(cell)) + Vec3d(cell_corner(n)) * 0.5;
+      is_other = kept.is_other_part[cut.part_of(part)] ||
+                 (is_inside && mask_test(others, brick_offset(corner)));
+    }
+    if (is_other) mask_set(unsettled, cell);
+  }
+  if (before != nullptr) cut.set_interpolated(before->cut.interpolated());
+  beside.resize(cut.pieces().size());
+  is_beside_known.assign(beside.size(), false);
+  for (std::size_t n = 0; n < beside.size(); ++n) {
+    if (kept.piece[n] < 0) continue;
+    beside[n] = before->beside[std::size_t(kept.piece[n])];
+    is_beside_known[n] = true;
+  }
+}
+
+/// What a piece has beside it.
+static SplitBrick::Beside beside_of(const CutPiece& piece, const CutFaces& faces) {
+  const CutFaces::Points* const seen = faces.seen_from(piece.cell);
   if (seen == nullptr || !piece.is_whole) return {seen, 0};
   const Vec3d middle = piece.middle();
   const auto depth_at = [&](const Vec3d& X) {  // voxels
-    const CutFaces::Depth depth = m_faces.depth_beyond(X, middle, seen);
+    const CutFaces::Depth depth = faces.depth_beyond(X, middle, seen);
     return depth.mm / depth.gradient.length();
   };
   if (!(depth_at(middle) < 1)) return {seen, 0};
   for (int n = 0; n < 8; ++n) {
     if (depth_at(Vec3d(piece.cell + cell_corner(n))) < -kGrazed) {
-      return {nullptr, m_faces.torn_beside(piece.cell)};
+      return {nullptr, faces.torn_beside(piece.cell)};
     }
   }
   return {seen, 0};
 }
 
+void SplitBrick::look_beside(const CutFaces& faces, bool known) {
+  for (std::size_t n = 0; n < beside.size(); ++n) {
+    if (known && is_beside_known[n]) continue;
+    beside[n] = beside_of(cut.pieces()[n], faces);
+  }
+  is_beside_known.assign(beside.size(), true);
+}
+
 CutOffsets::PieceOfBrick CutOffsets::piece_at(int piece) const {
-  const std::size_t b = std::size_t(m_brick_of[std::size_t(piece)]);
+  const std::size_t b = std::size_t(m_brick_of[std::size_t(piece / kPieces)]);
   const int number = piece - m_first_piece[b];
-  return {m_cells[b].pieces()[std::size_t(number)], m_cells[b].map(number)};
+  const SplitBrick& brick = *m_bricks[b];
+  return {brick.cut.pieces()[std::size_t(number)], brick.cut.map(number),
+          brick.beside[std::size_t(number)]};
 }
 
 bool CutOffsets::sample(std::size_t b, const Vec3d& x, Sample& found) const {
-  const CutBrick& brick = m_cells[b];
+  const CutBrick& brick = m_bricks[b]->cut;
   const int guess = found.piece - m_first_piece[b];
   const bool is_own = guess >= 0 && guess < int(brick.pieces().size());
   const int piece = brick.find(x, m_dims, found.offset, is_own ? guess : -1);
@@ -64,7 +122,7 @@ bool CutOffsets::offset_of(int piece, const Vec3d& x, Vec3d& offset) const {
 
 bool CutOffsets::is_overlapped(const Vec3d& x) const {
   const std::int32_t b = bricks().find(floor_voxel(x));
-  return b >= 0 && m_cells[std::size_t(b)].is_overlapped(x, m_dims);
+  return b >= 0 && m_bricks[std::size_t(b)]->cut.is_overlapped(x, m_dims);
 }
 
 double CutOffsets::depth_mm(int number, const Vec3d& x) const {
@@ -115,8 +173,9 @@ bool CutOffsets::face_in_source(int number, const Vec3d& y, Vec3d& normal, doubl
     const Vec3i cell = floor_voxel(y);
     depth = m_faces.depth(y, Vec3d(cell) + Vec3d(0.5), m_faces.seen_from(cell));
   } else {
-    const CutPiece& piece = piece_at(number).piece;
-    const Beside& beside = m_beside[std::size_t(number)];
+    const PieceOfBrick of = piece_at(number);
+    const CutPiece& piece = of.piece;
+    const SplitBrick::Beside& beside = of.beside;
     if (beside.seen != nullptr) {
       depth = m_faces.depth(y, piece.middle(), beside.seen);
     } else if (beside.torn != 0) {
@@ -131,7 +190,7 @@ bool CutOffsets::face_in_source(int number, const Vec3d& y, Vec3d& normal, doubl
 void CutOffsets::source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const {
   lo = Vec3d(HUGE_VAL);
   hi = Vec3d(-HUGE_VAL);
-  for (const CutPiece& piece : m_cells[b].pieces()) {
+  for (const CutPiece& piece : m_bricks[b]->cut.pieces()) {
     for (int a = 0; a < 3; ++a) {
       lo[a] = std::min(lo[a], double(piece.cell[a]));
       hi[a] = std::max(hi[a], double(piece.cell[a] + 1));

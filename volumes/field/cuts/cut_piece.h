@@ -21,6 +21,10 @@ struct CutPiece {
   CutPiece(const Vec3i& cell, const std::array<Vec3f, 8>& u);
   CutPiece(const Vec3i& cell, const std::array<Vec3f, 8>& u, const std::array<float, 8>& depth);
 
+  bool operator==(const CutPiece& other) const {
+    return cell == other.cell && is_whole == other.is_whole && elements == other.elements &&
+           u == other.u && depth == other.depth;
+  }
   CellCorners corners() const;
   /// Whether a place of its cell, 0 to 1 along each axis, is on its side.
   bool is_own(const Vec3d& local) const;

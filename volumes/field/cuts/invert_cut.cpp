@@ -1,13 +1,63 @@
 // The inversion of cut bodies, at once or one after the other.
 #include <algorithm>
-#include <functional>
+#include <stdexcept>
 #include <utility>
 
+#include "volumes/field/cuts/cut_extension.h"
 #include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/source_cells.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
+
+namespace {
+
+/// What is torn of a body, and the bricks of the output that it splits.
+struct CutFollower {
+  /// `cells`: the bricks of u.
+  CutFollower(const BrickTopology& cells_of_u, const BrickTopology& elements,
+              const Geometry& geometry)
+      : cells(cells_of_u),
+        torn(cells),
+        offsets(std::make_shared<CutOffsets>(cells, geometry)),
+        inversion(cells, elements, geometry.dims()) {}
+
+  /// Follows u on `cells` where it has changed; `body_changed`: where the body has, besides.
+  void follow(const VectorBricks& u, const CutBody& body, const BrickList& changed,
+              const BrickList& body_changed) {
+    const BrickList torn_changed = torn.follow(u, body, unite(changed, body_changed), kClosedCut);
+    const BrickList faces_changed = offsets->faces().follow(torn, body, torn_changed);
+    inversion.follow(u, torn, offsets->faces(), {changed, torn_changed, faces_changed});
+  }
+  /// The bricks that read others than before, after follow() and what is whole.
+  std::vector<Vec3i> split(const VectorBricks& u, const VectorBrickFinder& lattice,
+                           const std::vector<Vec3i>& touched, Progress* progress) {
+    std::vector<Vec3i> others =
+        inversion.split(u, torn, offsets->faces(), lattice, touched, progress);
+    offsets->set_bricks(inversion.bricks());
+    return others;
+  }
+  /// Adds what was split to a field of what is whole.
+  void join_to(OffsetField& field) const {
+    if (torn.empty()) return;
+    field.o = inversion.joined(field.o);
+    field.overlaps = inversion.overlaps(field.overlaps);
+    field.split = offsets;
+  }
+  void count(OffsetField& field) const {
+    if (torn.empty()) return;
+    inversion.count(torn, field.certificate);
+    field.certificate.overlapped_voxels = field.overlaps.active_count();
+  }
+
+  BrickTopology cells;
+  TornCells torn;
+  std::shared_ptr<CutOffsets> offsets;
+  CutInversion inversion;
+};
+
+}  // namespace
 
 Displacement extend_past_cuts(Displacement displacement, const BrickTopology& target,
                               const CutElements& body) {
@@ -18,112 +68,160 @@ Displacement extend_past_cuts(Displacement displacement, const BrickTopology& ta
   return extended;
 }
 
-namespace {
-
-/// Turns the offsets of what is whole, and those of u itself where nothing is torn, to those of a
-/// cut body. `invert_whole` is asked once.
-OffsetField invert_apart(const Displacement& displacement, const CutBody& cut,
-                         const std::function<OffsetField(const Displacement&)>& invert_whole,
-                         Progress* progress) {
+bool has_open_cut(const Displacement& displacement, const CutElements& body) {
+  if (body.cuts.empty()) return false;
   const Vec3i& dims = displacement.geometry.dims();
-  const VectorBricks u = thickened(displacement.u, dims);
-  const std::vector<TornCell> torn = torn_cells(u, cut, kClosedCut);
-  if (torn.empty()) return invert_whole(displacement);
-
-  CutFaces faces(torn, cut, displacement.geometry, kClosedCut);
-  CutInversion inversion(u, torn, faces, cut.elements(), dims);
-  OffsetField field = invert_whole({displacement.geometry, inversion.whole_part()});
-  std::vector<CutBrick> bricks = inversion.split_bricks(field, progress);
-  field.o = inversion.joined(field.o, bricks);
-  inversion.find_interpolated(field.o, bricks);
-  field.split = std::make_shared<const CutOffsets>(std::move(bricks), std::move(faces), dims);
-  return field;
+  const CutBody cut(displacement.u, body.elements, body.cuts, dims);
+  TornCells torn(cut.cells());
+  torn.follow(thickened(displacement.u, dims), cut, all_bricks(cut.cells()), kClosedCut);
+  return !torn.empty();
 }
-
-/// Bricks, by number in `now`, that hold other voxels or vectors than those of `before`, which has
-/// the same bricks.
-std::vector<std::int32_t> differing_bricks(const VectorBricks& before, const VectorBricks& now) {
-  std::vector<std::int32_t> differing;
-  for (std::size_t b = 0; b < now.topology.brick_count(); ++b) {
-    const Vec3f* const was = before.vectors.brick_or_zero(b);
-    const Vec3f* const is = now.vectors.brick_or_zero(b);
-    const bool is_moved = was != is && !std::equal(is, is + kBrickVoxels, was);
-    if (is_moved || before.topology.mask(b) != now.topology.mask(b)) {
-      differing.push_back(std::int32_t(b));
-    }
-  }
-  return differing;
-}
-
-bool has_same_bricks(const BrickTopology& a, const BrickTopology& b) {
-  if (a.brick_count() != b.brick_count()) return false;
-  for (std::size_t n = 0; n < a.brick_count(); ++n) {
-    if (a.origin(n) != b.origin(n)) return false;
-  }
-  return true;
-}
-
-}  // namespace
 
 OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
                        const InvertParams& params, Progress* progress) {
   if (body.cuts.empty()) return invert(displacement, params, progress);
   if (progress != nullptr) progress->stage("inverting");
-  const auto invert_whole = [&](const Displacement& whole) {
-    return invert(whole, params, progress);
-  };
-  const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
-  return invert_apart(displacement, cut, invert_whole, progress);
+  const Vec3i& dims = displacement.geometry.dims();
+  Displacement thick{displacement.geometry, thickened(displacement.u, dims)};
+  CutFollower follower(thick.u.topology, body.elements, displacement.geometry);
+  {
+    const CutBody cut(displacement.u, body.elements, body.cuts, dims);
+    follower.follow(thick.u, cut, all_bricks(follower.cells), {});
+  }
+  if (follower.torn.empty()) return invert(displacement, params, progress);
+  thick.u.topology = follower.inversion.whole();
+  OffsetField field = invert(thick, params, progress);
+  thick.u.topology = follower.cells;
+  follower.split(thick.u, finder_of(field.o), {}, progress);
+  follower.join_to(field);
+  follower.count(field);
+  return field;
 }
 
+/// Without cuts the displacement that is given is followed; else it is extended beside them, in a
+/// copy.
 struct IncrementalCutInversion::Impl {
-  Impl(const CutElements& cut_body, const InvertParams& invert_params)
-      : body(cut_body), params(invert_params) {}
+  struct Cut {
+    Cut(const Displacement& displacement, const BrickTopology& elements)
+        : body(displacement.u.topology, elements, displacement.geometry.dims()),
+          extension(body.voxels(), elements),
+          extended(displacement),
+          follower(body.voxels(), elements, displacement.geometry) {}
 
-  CutElements body;
+    CutBody body;
+    CutExtension extension;
+    Displacement extended;
+    CutFollower follower;
+  };
+
+  Impl(const BrickTopology& cut_elements, const InvertParams& invert_params)
+      : elements(cut_elements), params(invert_params) {}
+
+  std::vector<Vec3i> follow(const Displacement& displacement, const BrickList& changed);
+  std::vector<Vec3i> follow_cuts(const Displacement& displacement, const BrickList& changed);
+
+  const BrickTopology& elements;
   InvertParams params;
-  OffsetField field;
-  VectorBricks whole;  // what the lattice holds
-  std::unique_ptr<IncrementalInversion> inversion;
-
-  /// Follows `part` of u, which is whole.
-  OffsetField follow(const Displacement& part, Progress* progress);
+  std::unique_ptr<IncrementalInversion> inversion;  // of what is whole
+  std::unique_ptr<Cut> cut;                         // null: no links are cut
+  LinkCuts cuts;
+  bool has_other_cuts = false;
+  Work work;
 };
 
-OffsetField IncrementalCutInversion::Impl::follow(const Displacement& part, Progress* progress) {
-  if (is_flat(part.geometry.dims())) return invert(part, params, progress);
-  if (!inversion || !has_same_bricks(whole.topology, part.u.topology)) {
-    inversion = std::make_unique<IncrementalInversion>(part, params, progress);
-  } else {
-    inversion->update(part, differing_bricks(whole, part.u));
+std::vector<Vec3i> IncrementalCutInversion::Impl::follow_cuts(const Displacement& displacement,
+                                                              const BrickList& changed) {
+  BrickList given = changed;
+  const bool is_new = !cut;
+  if (is_new) {
+    cut = std::make_unique<Cut>(displacement, elements);
+    given = all_bricks(displacement.u.topology);
   }
-  whole = part.u;
-  return inversion->field(part);
+  if (std::exchange(has_other_cuts, false)) cut->body.set_cuts(cuts);
+  VectorBricks& u = cut->extended.u;
+  const CutBody::Changes changes = cut->body.follow(displacement.u, given);
+  BrickList extended = cut->extension.follow(u, displacement.u, cut->body, changes, changed);
+  if (is_new) extended = unite(extended, changed);
+  CutFollower& follower = cut->follower;
+  follower.follow(u, cut->body, unite(given, extended), unite(changes.links, changes.parted));
+  u.topology = follower.inversion.whole();
+  const std::vector<Vec3i> touched =
+      inversion->update(cut->extended, unite(extended, follower.inversion.whole_changed()));
+  u.topology = follower.cells;
+  const std::int64_t gathered = follower.inversion.gathered();
+  std::vector<Vec3i> others = follower.split(u, inversion->finder(), touched, nullptr);
+  work = {cut->extension.filled(), follower.inversion.gathered() - gathered,
+          std::int64_t(touched.size())};
+  if (!cut->body.has_cuts()) cut.reset();
+  return others;
+}
+
+std::vector<Vec3i> IncrementalCutInversion::Impl::follow(const Displacement& displacement,
+                                                         const BrickList& changed) {
+  if (cut || !cuts.empty()) return follow_cuts(displacement, changed);
+  has_other_cuts = false;
+  const std::vector<Vec3i> touched = inversion->update(displacement, changed);
+  work = {0, 0, std::int64_t(touched.size())};
+  return touched;
 }
 
 IncrementalCutInversion::IncrementalCutInversion(const Displacement& displacement,
                                                  const CutElements& body,
                                                  const InvertParams& params, Progress* progress)
-    : m_impl(std::make_unique<Impl>(body, params)) {
-  update(displacement, progress);
+    : m_impl(std::make_unique<Impl>(body.elements, params)) {
+  m_impl->inversion = std::make_unique<IncrementalInversion>(displacement, params, progress);
+  set_cuts(body.cuts);
+  if (!body.cuts.empty()) update(displacement, {});
 }
 IncrementalCutInversion::~IncrementalCutInversion() = default;
 
-void IncrementalCutInversion::update(const Displacement& displacement, Progress* progress) {
-  const auto follow = [&](const Displacement& part) { return m_impl->follow(part, progress); };
-  const CutElements& body = m_impl->body;
-  if (body.cuts.empty()) {
-    m_impl->field = follow(displacement);
-    return;
-  }
-  const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
-  Displacement extended = displacement;
-  extend_beside_cuts(extended.u, cut);
-  m_impl->field = invert_apart(extended, cut, follow, progress);
+void IncrementalCutInversion::set_cuts(const LinkCuts& cuts) {
+  if (cuts == m_impl->cuts) return;
+  m_impl->cuts = cuts;
+  m_impl->has_other_cuts = true;
 }
 
-const OffsetField& IncrementalCutInversion::field() const {
-  return m_impl->field;
+std::vector<Vec3i> IncrementalCutInversion::update(const Displacement& displacement,
+                                                   const std::vector<std::int32_t>& changed) {
+  return m_impl->follow(displacement, changed);
+}
+
+VectorBrickFinder IncrementalCutInversion::finder() const {
+  const VectorBrickFinder lattice = m_impl->inversion->finder();
+  if (split() == nullptr) return lattice;
+  return [lattice, &split = m_impl->cut->follower.inversion](const Vec3i& origin) {
+    const SplitBrick* const brick = split.find(origin);
+    return brick == nullptr ? lattice(origin) : brick->nodes();
+  };
+}
+
+std::shared_ptr<const SplitOffsets> IncrementalCutInversion::split() const {
+  if (!m_impl->cut || m_impl->cut->follower.torn.empty()) return nullptr;
+  return m_impl->cut->follower.offsets;
+}
+
+OffsetField IncrementalCutInversion::offsets() const {
+  OffsetField field = m_impl->inversion->offsets();
+  if (m_impl->cut) m_impl->cut->follower.join_to(field);
+  return field;
+}
+
+OffsetField IncrementalCutInversion::field(const Displacement& displacement) const {
+  OffsetField field = offsets();
+  if (!m_impl->cut) {
+    field.certificate = m_impl->inversion->certificate(displacement);
+    return field;
+  }
+  Impl::Cut& cut = *m_impl->cut;
+  cut.extended.u.topology = cut.follower.inversion.whole();
+  field.certificate = m_impl->inversion->certificate(cut.extended);
+  cut.extended.u.topology = cut.follower.cells;
+  cut.follower.count(field);
+  return field;
+}
+
+const IncrementalCutInversion::Work& IncrementalCutInversion::work() const {
+  return m_impl->work;
 }
 
 }  // namespace supple

@@ -1,11 +1,17 @@
 // What the sides of a cut cell have where their own corners end: the virtual nodes of Molino, Bao
 // and Fedkiw ("A virtual node algorithm for changing mesh topology during simulation", 2004), with
 // extrapolated instead of simulated places.
+#include "volumes/field/cuts/torn_cells.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
 
-#include "volumes/field/cuts/cut_body.h"
+#include <tbb/parallel_for.h>
+
+#include "volumes/grid/cell.h"
+#include "volumes/grid/padded_rows.h"
 
 namespace supple {
 
@@ -30,7 +36,7 @@ struct ViewHash {
 };
 
 Vec3i corner_of(const Vec3i& cell, int n) {
-  return cell + Vec3i(n >> 2, n >> 1 & 1, n & 1);
+  return cell + cell_corner(n);
 }
 
 /// Views of one voxel from corners of one side belong together, through all cells.
@@ -146,22 +152,68 @@ bool is_closed(const TornCell& torn, double closed) {
   return true;
 }
 
-}  // namespace
-
-std::vector<TornCell> torn_cells(const VectorBricks& u, const CutBody& body, double closed) {
-  std::vector<CellSides> sides;
-  VirtualNodes nodes(u, body);
-  for (const Vec3i& cell : body.parted_cells()) {
-    sides.push_back(body.sides(cell));
-    nodes.add(cell, sides.back());
+/// The parted cells that begin in a brick and those that share corners with them, sorted.
+std::vector<const PartedCell*> parted_around(const CutBody& body, std::size_t b) {
+  const Vec3i& origin = body.cells().origin(b);
+  const IndexBox box{origin - Vec3i(1), origin + Vec3i(kBrickDim)};
+  std::vector<const PartedCell*> around;
+  for (const std::int32_t n : surroundings_of(body.cells(), b)) {
+    if (n < 0) continue;
+    for (const PartedCell& parted : body.parted_in(std::size_t(n))) {
+      if (box.contains(parted.cell)) around.push_back(&parted);
+    }
   }
-  nodes.extrapolate();
+  std::sort(around.begin(), around.end(), [](const PartedCell* a, const PartedCell* b_) {
+    return voxel_less(a->cell, b_->cell);
+  });
+  return around;
+}
+
+/// What a cell shares with others follows from those that share corners with it.
+std::vector<TornCell> torn_in(const VectorBricks& u, const CutBody& body, std::size_t b,
+                              double closed) {
   std::vector<TornCell> torn;
-  for (std::size_t n = 0; n < sides.size(); ++n) {
-    TornCell cell = cell_of(body.parted_cells()[n], sides[n], u, nodes);
+  if (body.parted_in(b).empty()) return torn;
+  VirtualNodes nodes(u, body);
+  for (const PartedCell* parted : parted_around(body, b)) nodes.add(parted->cell, parted->sides);
+  nodes.extrapolate();
+  for (const PartedCell& parted : body.parted_in(b)) {
+    TornCell cell = cell_of(parted.cell, parted.sides, u, nodes);
     if (!is_closed(cell, closed)) torn.push_back(std::move(cell));
   }
   return torn;
+}
+
+}  // namespace
+
+BrickList TornCells::follow(const VectorBricks& u, const CutBody& body, const BrickList& changed,
+                            double closed) {
+  const BrickList bricks = bricks_where(with_neighbours(body.cells(), changed), [&](std::size_t b) {
+    return !m_cells[b].empty() || !body.parted_in(b).empty();
+  });
+  std::vector<std::vector<TornCell>> found(bricks.size());
+  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    found[n] = torn_in(u, body, std::size_t(bricks[n]), closed);
+  });
+  BrickList others;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    std::vector<TornCell>& cells = m_cells[std::size_t(bricks[n])];
+    if (cells == found[n]) continue;
+    m_count += std::int64_t(found[n].size()) - std::int64_t(cells.size());
+    cells = std::move(found[n]);
+    others.push_back(bricks[n]);
+  }
+  return others;
+}
+
+bool TornCells::holds(const Vec3i& cell) const {
+  const std::int32_t b = m_bricks.find(cell);
+  if (b < 0) return false;
+  const std::vector<TornCell>& cells = m_cells[std::size_t(b)];
+  const auto found = std::lower_bound(
+      cells.begin(), cells.end(), cell,
+      [](const TornCell& torn, const Vec3i& at) { return voxel_less(torn.cell, at); });
+  return found != cells.end() && found->cell == cell;
 }
 
 }  // namespace supple

@@ -8,7 +8,6 @@
 #include <tbb/parallel_for.h>
 
 #include "volumes/base/error.h"
-#include "volumes/grid/cell.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -84,24 +83,6 @@ std::vector<Vec3i> reachable_origins(const VectorBricks& u,
 bool is_torn(const IndexBox& reach) {
   const Vec3d extent = Vec3d(reach.hi) - Vec3d(reach.lo) + Vec3d(1);
   return !reach.empty() && extent.x * extent.y * extent.z > kLargeBox;
-}
-
-std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
-                                                const std::vector<std::int32_t>& bricks) {
-  std::vector<std::uint8_t> listed(topology.brick_count(), 0);
-  std::vector<std::int32_t> result;
-  for (const std::int32_t b : bricks) {
-    for (int n = 0; n < 8; ++n) {
-      const Vec3i step = cell_corner(n);
-      const std::int32_t lower =
-          n == 0 ? b : topology.find(topology.origin(std::size_t(b)) - step * kBrickDim);
-      if (lower < 0 || listed[lower]) continue;
-      listed[lower] = 1;
-      result.push_back(lower);
-    }
-  }
-  std::sort(result.begin(), result.end());
-  return result;
 }
 
 std::string dims_text(const Vec3i& v) {

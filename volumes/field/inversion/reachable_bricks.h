@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "volumes/field/brick_lists.h"
 #include "volumes/field/inversion/source_cells.h"
 
 namespace supple {
@@ -37,10 +38,6 @@ void for_bricks_of(const Vec3i& lo, const Vec3i& hi, Visit&& visit) {
 inline void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origins) {
   for_bricks_of(lo, hi, [&](const Vec3i& origin) { origins.push_back(origin); });
 }
-
-/// The bricks, and those below them whose cells have corners in them; ascending.
-std::vector<std::int32_t> with_lower_neighbours(const BrickTopology& topology,
-                                                const std::vector<std::int32_t>& bricks);
 
 std::string dims_text(const Vec3i& v);
 

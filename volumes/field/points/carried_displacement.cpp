@@ -32,8 +32,11 @@ CarriedDisplacement::CarriedDisplacement(const Displacement& displacement, const
     : m_u(thickened(displacement.u, displacement.geometry.dims())), m_smooth(m_u) {
   if (body.cuts.empty()) return;
   const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
-  const std::vector<TornCell> torn = torn_cells(m_u, cut, kClosedCut);
-  if (!torn.empty()) tear(torn, CutFaces(torn, cut, displacement.geometry, kClosedCut));
+  TornCells torn(cut.cells());
+  torn.follow(m_u, cut, all_bricks(cut.cells()), kClosedCut);
+  CutFaces faces(cut.cells(), displacement.geometry, kClosedCut);
+  faces.follow(torn, cut, all_bricks(cut.cells()));
+  for (std::size_t b = 0; b < cut.cells().brick_count(); ++b) tear(torn.in(b), faces);
 }
 
 void CarriedDisplacement::tear(const std::vector<TornCell>& torn, const CutFaces& faces) {
