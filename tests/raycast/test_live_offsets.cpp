@@ -4,12 +4,10 @@
 #include "raycast/pictures/compare.h"
 #include "raycast/progressive.h"
 #include "tests/raycast/scenes.h"
-#include "volumes/base/error.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
-#include "volumes/field/split_offsets.h"
 
 namespace supple {
 namespace {
