@@ -76,8 +76,11 @@ export class View {
     const n = await this.get('barrier()');
     const slice = await this.page.eval(`['axial', 'coronal', 'sagittal'].find((name) => document.querySelector('#view-' + name + ' .picture').clientWidth > 0)`);
     if (slice) await this.until('the slices settle', `$views.${slice}.event >= ${n} && $views.${slice}.settled && !$decoding`, seconds);
-    await this.until('the pictures settle', `!$decoding && ['3d', 'axial', 'coronal', 'sagittal'].every((name) =>
-      document.querySelector('#view-' + name + ' .picture').clientWidth === 0 || $views[name].settled)`, seconds);
+    await this.until('the pictures settle at their sizes', `!$decoding && ['3d', 'axial', 'coronal', 'sagittal'].every((name) => {
+      const {clientWidth, clientHeight} = document.querySelector('#view-' + name + ' .picture');
+      const {settled, width, height} = $views[name];
+      return clientWidth === 0 || (settled && width === Math.round(clientWidth * devicePixelRatio) && height === Math.round(clientHeight * devicePixelRatio));
+    })`, seconds);
     if (!slice) await sleep(300);
   }
   /// The picture of a view as it is drawn, without marks.

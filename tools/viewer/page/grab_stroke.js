@@ -180,7 +180,7 @@ export class GrabStroke {
     if (!this.pick) return;  // as soon as it is known what was grabbed
     const n = this.session.event({kind: 'release'});
     if (n) this.app.sayWhenDone(n, () => `Kept: ${madeText(this.session, this.pick.voxel)}. Ctrl+Z takes it back`);
-    else this.app.say('The connection is lost: nothing was kept');
+    else this.app.say(kNotKept);
     this.end();
   }
   cancel() {

@@ -21,7 +21,7 @@ const kOptions = {warp: ['direction'], turntable: ['frames', 'frames_per_second'
                   film: ['frames_per_second', 'speed', 'size'], screenshot: ['size']};
 
 const kFolder = 'supple.folder';
-const kByVolume = ['', 'by the volume'], kOwnTable = ['table', 'a table of my own…'];
+const kByVolume = ['', 'by the densities of the volume'], kUniform = ['uniform', 'uniform: all voxels alike, air too'], kOwnTable = ['table', 'a table of my own…'];
 
 class Browser {
   /// A folder's list; `chosen(file, isDouble)` for files, `moved()` in another folder.
@@ -167,7 +167,7 @@ export class Files {
     const note = element('p', {class: 'note'}, 'Air, tissue and bone differ by their material. States and scenes bring their own.');
     this.session.ask('materials', true).then((presets) => {
       const was = list.value;
-      choose(list, [kByVolume, ...presets.map(({name, about}) => [name, about ? `${name}: ${about}` : name]), kOwnTable], was);
+      choose(list, [kByVolume, ...presets.map(({name, about}) => [name, about ? `${name}: ${about}` : name]), kUniform, kOwnTable], was);
     }, () => {});
     return {fields: [field('Material', list), row, note], value: () => list.value === kOwnTable[0] ? path.value.trim() : list.value};
   }
