@@ -68,7 +68,7 @@ Fields fields(RelaxParams& params) {
             "Keep volume as the material's Poisson's ratio says, in place of a bulk modulus")
           .only_in_scenes(),
       Field("budget", params.budget_million,
-            "End once that many elements were looked at, those of every pass and axis; 0: no limit")
+            "End after so many looks at elements; 0: no limit")
           .unit("million")
           .at_least(0)
           .recorded_as("budget_million"),

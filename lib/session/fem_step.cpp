@@ -306,7 +306,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
 Field accuracy_field(FemStep& step) {
   return Field(
       "accuracy", step.params.accuracy, {"exact", "picture"},
-      "Of finite elements: to the rounding of states, or of a picture, in a tenth of the time");
+      "Finite elements solved exactly, or as a picture needs");
 }
 
 Fields option_fields(FemStep& step) {

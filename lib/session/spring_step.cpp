@@ -105,7 +105,7 @@ Fields fields(SpringStep& step) {
           .at_least(0)
           .otherwise("the material's; 0 beside another stiffness")
           .recorded_as("structural_n_m"),
-      Field("shear", step.shear_n_m, "The same of springs across faces and cells")
+      Field("shear", step.shear_n_m, "Of springs across faces and cells")
           .unit("N/m")
           .at_least(0)
           .otherwise("the same")

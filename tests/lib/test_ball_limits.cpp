@@ -292,7 +292,8 @@ TEST(FaultBallLimits, AnErrorOrCancelLeavesTheBodyAsItWas) {
   EXPECT_NE(input_error([&] { drag_ball(body, {push}, {}); }).find("two-sided"), std::string::npos);
   Holds holds;
   drag(body, {push}, {}, holds);
-  EXPECT_NE(input_error([&] { drag_ball(body, {handle}, {}, holds, {}); }).find("release"),
+  const Handle elsewhere(Vec3i(8, 8, 0), by_voxels(-1, 0, 0));
+  EXPECT_NE(input_error([&] { drag_ball(body, {elsewhere}, {}, holds, {}); }).find("release"),
             std::string::npos);
   BallParams loose;
   loose.tolerance = 0;

@@ -64,7 +64,7 @@ TEST(UnitOverlay, NothingIsPaintedWhereNothingHasChanged) {
   EXPECT_EQ(ratio.share(1), 0);
   EXPECT_GT(ratio.share(1.02), 0);
   EXPECT_LT(ratio.share(1.02), ratio.share(0.9));
-  EXPECT_EQ(ratio.share(0.9), ratio.share(0.5));
+  EXPECT_DOUBLE_EQ(ratio.share(0.9), ratio.share(0.5));
   EXPECT_EQ(paint({0, 10}, 0).share(0), 0);
   EXPECT_EQ(paint({0, 10}, 0).share(1), paint({0, 10}, {}).share(0));
 }

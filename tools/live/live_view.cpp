@@ -1,16 +1,13 @@
 // How a live session is looked at: the view that a file begins with, and the events that change it.
 #include "tools/live/live_view.h"
 
-#include <nlohmann/json.hpp>
-
 #include "tools/live/live_record.h"
 #include "tools/outputs/view_pictures.h"
+#include "tools/scene/json.h"
 
 namespace supple::tools {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr const char* kNoPicture = "live.png";  // a view in a file names one
 /// Looks or clips that follow each other so soon are one step: a point that is dragged, a slider.

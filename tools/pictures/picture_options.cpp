@@ -96,7 +96,7 @@ Fields fields(PictureOptions& options) {
           .at_least(0)
           .otherwise("the longest offset"),
       Field("stereo", options.stereo, {"none", "side-by-side", "anaglyph"},
-            "A stereo pair: side-by-side, or anaglyph for red-cyan glasses")
+            "side-by-side, or anaglyph for red-cyan glasses")
           .shown_as("MODE"),
       Field("eye_separation", options.eye_separation_mm, "Of a stereo pair")
           .unit("mm")

@@ -53,10 +53,10 @@ Fields fields(Lighting& lighting) {
           .implying("10")
           .otherwise("none; 10 without a number"),
       Field("light_volume", lighting.volume_mm,
-            "Interpolate shadows and occlusion of translucent tissue, between places so far apart")
+            "Shadows and occlusion from places so far apart")
           .unit("mm")
           .implying("3")
-          .otherwise("none, exact; 3 without a number"),
+          .otherwise("exact; or 3"),
       Field("exposure", lighting.exposure_stops,
             "Twice as much light on all that is drawn per stop")
           .unit("stops")

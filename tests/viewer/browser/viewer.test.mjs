@@ -224,7 +224,7 @@ step('grab, drag, release: the tissue goes where the pointer led it', async () =
   const along = (axis) => way.reduce((sum, v, a) => sum + v * axis[a], 0);
   assert.ok(Math.abs(along(right) - 12 * mmPerPixel) < 1 && Math.abs(along(up) + 18 * mmPerPixel) < 1.2,
             `moved by ${way} mm for ${12 * mmPerPixel}, ${-18 * mmPerPixel}`);
-  assert.deepEqual(await view.undoTexts(), ['drag']);
+  assert.deepEqual((await view.undoTexts()).filter((kind) => kind !== 'look'), ['drag']);
 });
 
 step('Esc restores, X keeps to an axis, the wheel changes the handle', async () => {
