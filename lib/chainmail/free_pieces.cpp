@@ -9,7 +9,7 @@ namespace supple {
 
 namespace {
 
-constexpr std::size_t kBricksPerTask = 64;
+constexpr std::size_t kPiecesPerTask = 64;
 
 bool holds_all(const SlotSet& set, const SlotSet& part) {
   return std::all_of(part.bricks().begin(), part.bricks().end(), [&](const SlotSet::Brick& entry) {
@@ -39,7 +39,7 @@ FreePieces::Reach FreePieces::reach_of(const SlotSet& elements, const BrickValue
   using Range = tbb::blocked_range<std::size_t>;
   const std::vector<SlotSet::Brick>& bricks = elements.bricks();
   return tbb::parallel_reduce(
-      Range(0, bricks.size(), kBricksPerTask), Reach(),
+      Range(0, bricks.size(), kPiecesPerTask), Reach(),
       [&](const Range& range, Reach reach) {
         for (std::size_t n = range.begin(); n < range.end(); ++n) {
           const std::int32_t* from = before(bricks[n].brick);

@@ -2,7 +2,6 @@
 
 #include "tools/plan/model_plan.h"
 #include "tools/scene/run_step.h"
-#include "volumes/state/state.h"
 
 namespace supple::tools {
 
@@ -17,8 +16,7 @@ std::optional<LiveEvent> first_model(LiveSession& live) {
   const MaterialTable& material = live.session().material();
   bool has_stiffness = material.stiffness.has_value();
   for (const auto& [label, table] : material.labels) has_stiffness |= table.stiffness.has_value();
-  const bool is_state = is_state_file(live.scene().volume_path);
-  if (is_state || !live.events().empty() || !has_stiffness) return std::nullopt;
+  if (!has_stiffness) return std::nullopt;
   TomlTable root = TomlTable::parse(
       "[[event]]\nkind = \"model\"\nmodel = \"fem\"\nfem = { accuracy = \"picture\" }\n",
       "the model of a body with stiffness");

@@ -16,9 +16,7 @@ struct ModelPrice {
 /// By plans at this machine's costs; none where the event chooses ChainMail.
 std::optional<ModelPrice> price_of(const LiveEvent& model, const Session& session);
 
-/// An event that chooses finite elements for a picture, of a volume whose material has a stiffness
-/// and that nobody has done anything with; none for a state, for a journal with events, for a scene
-/// with steps, and for one slice.
+/// An event that chooses finite elements for a picture, of a volume whose material has a stiffness.
 std::optional<LiveEvent> first_model(LiveSession& live);
 
 }  // namespace supple::tools

@@ -56,7 +56,7 @@ Fields fields(Lighting& lighting) {
             "Shadows and occlusion from places so far apart")
           .unit("mm")
           .implying("3")
-          .otherwise("exact; or 3"),
+          .otherwise("exact"),
       Field("exposure", lighting.exposure_stops,
             "Twice as much light on all that is drawn per stop")
           .unit("stops")

@@ -49,8 +49,11 @@ OpenScene::OpenScene(const TomlTable& root, double budget_ms, const ViewSettings
     m_live.carry_out(event, &outlets.progress);
     while (m_live.has_more()) m_live.go_on(&outlets.progress);
   }
-  if (const auto anchor = first_anchor(m_live)) m_live.carry_out(*anchor, &outlets.progress);
-  if (const auto model = first_model(m_live)) m_live.carry_out(*model, &outlets.progress);
+  if (const auto anchor = first_anchor(m_live)) {
+    m_live.carry_out(*anchor, &outlets.progress);
+    // A body that nothing holds would follow a handle as a whole under finite elements.
+    if (const auto model = first_model(m_live)) m_live.carry_out(*model, &outlets.progress);
+  }
   m_stale = {0, 1, 1, 1};
 }
 

@@ -28,8 +28,8 @@ struct SceneOutlets {
 class OpenScene final : public LoopWatcher {
  public:
   /// Opens what the root of a scene or journal describes and carries out its steps or events; where
-  /// there are none, the largest bone is fixed (first_anchor()), and finite elements settle what
-  /// has a stiffness (first_model()). Throws as LiveSession.
+  /// there are none, the largest bone is fixed (first_anchor()), and finite elements settle tissue
+  /// that it holds (first_model()). Throws as LiveSession.
   OpenScene(const TomlTable& root, double budget_ms, const ViewSettings& settings,
             const SceneOutlets& outlets);
 
