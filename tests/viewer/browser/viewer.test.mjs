@@ -320,6 +320,8 @@ step('what takes long shows what it does, and Esc ends it with all that waits be
   await view.until('nothing is held', '$scene.handles.length === 0 && $carriedOut >= $sent');
   const before = await steps();
   await choose('springs');
+  await view.until('the choice is answered', '$carriedOut >= $sent');
+  if (await view.get('scene.model') !== 'springs') await choose('springs');  // that are dear are chosen twice
   await view.until('springs are the model', '$scene.model === "springs" && $carriedOut >= $sent');
   const [x, y] = await view.middle();
   await page.move(x - 40, y + 60);
