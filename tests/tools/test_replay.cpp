@@ -357,7 +357,8 @@ TEST_F(UnitReplay, BadEventsNameTheirLineAndWhatIsExpected) {
 
 TEST_F(UnitReplay, ViewsWithMarksOnTissueAreLeftToRun) {
   for (const char* mark : {"grid = 5", "arrows = 5", "overlay = \"displacement\""}) {
-    const Outcome outcome = replay(journal(std::string(mark) + "\n" + kDrags));
+    const Outcome outcome =
+        run_line("replay " + journal(std::string(mark) + "\n" + kDrags) + " --size 96,96");
     EXPECT_EQ(outcome.exit_code, 0) << mark;
     EXPECT_NE(outcome.err.find("a look of its own is shown"), std::string::npos) << outcome.err;
   }
