@@ -15,7 +15,7 @@ namespace {
 /// So many go one after the other.
 constexpr std::size_t kSinglePieces = 3;
 /// Of the way from a shift to the smallest motion, where tissue forbids the whole.
-constexpr int kWayParts = 16;
+constexpr int kPoseParts = 16;
 /// A piece carries tissue along about as far as twice its shift, on all sides: links give way by
 /// about half of their length.
 constexpr double kCarriedShifts = 4;
@@ -157,14 +157,14 @@ void FreePoses::shrink_group(const std::vector<Handle>& handles, std::vector<Fre
   find_group(handles, target, group, true, lasting);
   const auto allows = [&](int part) {
     for (const std::size_t n : group) {
-      poses[n].pose = part == kWayParts
+      poses[n].pose = part == kPoseParts
                           ? target[n].pose
-                          : between(before[n].pose, target[n].pose, double(part) / kWayParts);
+                          : between(before[n].pose, target[n].pose, double(part) / kPoseParts);
     }
     return m_ecm.allows(with(handles, poses), m_progress);
   };
-  if (!allows(kWayParts)) {
-    int done = 0, stopped = kWayParts;
+  if (!allows(kPoseParts)) {
+    int done = 0, stopped = kPoseParts;
     while (stopped - done > 1) {
       const int part = (done + stopped) / 2;
       (allows(part) ? done : stopped) = part;

@@ -39,16 +39,16 @@ SpringSystem cube_with_a_drawn_corner() {
   return springs.system;
 }
 
-struct Outcome {
+struct Motion {
   double energy_ratio = 0;
   SpringStepReport report;
 };
 
-Outcome let_go(const SymplecticEuler::Params& params, int steps) {
+Motion let_go(const SymplecticEuler::Params& params, int steps) {
   SpringSystem system = cube_with_a_drawn_corner();
   const double start = energy(system).total_j();
   SymplecticEuler integrator(system, params);
-  Outcome outcome;
+  Motion outcome;
   outcome.report = run_steps(integrator, 0.01, steps);
   outcome.energy_ratio = energy(system).total_j() / start;
   return outcome;
@@ -66,10 +66,10 @@ SpringSystem line() {
 }  // namespace
 
 TEST(ExtremesEnergyGuard, ACubeLetGoFromAFarDrawnCornerDoesNotBlowUp) {
-  const Outcome unguarded = let_go(gaining_at_most(HUGE_VAL), 300);
+  const Motion unguarded = let_go(gaining_at_most(HUGE_VAL), 300);
   EXPECT_GT(unguarded.energy_ratio, 50);
   EXPECT_EQ(unguarded.report.halvings, 0);
-  const Outcome guarded = let_go({}, 300);
+  const Motion guarded = let_go({}, 300);
   EXPECT_GT(guarded.report.halvings, 0);
   EXPECT_GT(guarded.report.substeps, unguarded.report.substeps);
   EXPECT_NEAR(guarded.energy_ratio, 1, 0.25);

@@ -10,7 +10,7 @@ using namespace supple::test;
 
 namespace {
 
-constexpr Vec3i kDims(24, 14, 14);
+constexpr Vec3i kHeldDims(24, 14, 14);
 const IndexBox kSkull{{4, 4, 8}, {18, 9, 11}}, kJaw{{8, 5, 2}, {14, 8, 4}};
 
 /// Two bones, one above the other, in soft tissue.
@@ -18,9 +18,9 @@ class UnitHeldPieces : public ::testing::Test {
  protected:
   UnitHeldPieces() {
     std::string voxels;
-    for (int k = 0; k < kDims.z; ++k) {
-      for (int j = 0; j < kDims.y; ++j) {
-        for (int i = 0; i < kDims.x; ++i) {
+    for (int k = 0; k < kHeldDims.z; ++k) {
+      for (int j = 0; j < kHeldDims.y; ++j) {
+        for (int i = 0; i < kHeldDims.x; ++i) {
           const Vec3i voxel(i, j, k);
           const bool is_air = i == 0 && j == 0 && k == 0;
           const bool is_bone = kSkull.contains(voxel) || kJaw.contains(voxel);
