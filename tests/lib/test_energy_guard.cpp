@@ -48,10 +48,10 @@ Motion let_go(const SymplecticEuler::Params& params, int steps) {
   SpringSystem system = cube_with_a_drawn_corner();
   const double start = energy(system).total_j();
   SymplecticEuler integrator(system, params);
-  Motion outcome;
-  outcome.report = run_steps(integrator, 0.01, steps);
-  outcome.energy_ratio = energy(system).total_j() / start;
-  return outcome;
+  Motion motion;
+  motion.report = run_steps(integrator, 0.01, steps);
+  motion.energy_ratio = energy(system).total_j() / start;
+  return motion;
 }
 
 /// Ten masses on a line, which is a linear system as long as none passes another.
