@@ -60,7 +60,7 @@ async function circle(page, [x, y], radius, more) {
     await sleep(16);
   }
 }
-const pictures = async (view) => (await view.get('views'))['3d'].count;
+async function pictures(view) { return (await view.get('views'))['3d'].count; }
 
 async function rotate(page, view) {
   await view.settled(60);
