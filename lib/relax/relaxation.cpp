@@ -67,8 +67,7 @@ Fields fields(RelaxParams& params) {
       Field("poisson", params.poisson,
             "Keep volume as the material's Poisson's ratio says, in place of a bulk modulus")
           .only_in_scenes(),
-      Field("budget", params.budget_million,
-            "End after so many looks at elements; 0: no limit")
+      Field("budget", params.budget_million, "End after so many looks at elements; 0: no limit")
           .unit("million")
           .at_least(0)
           .recorded_as("budget_million"),
