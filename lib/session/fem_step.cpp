@@ -304,9 +304,8 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
 }
 
 Field accuracy_field(FemStep& step) {
-  return Field(
-      "accuracy", step.params.accuracy, {"exact", "picture"},
-      "Finite elements: exact, or as pictures need");
+  return Field("accuracy", step.params.accuracy, {"exact", "picture"},
+               "Finite elements: exact, or as pictures need");
 }
 
 Fields option_fields(FemStep& step) {

@@ -52,8 +52,7 @@ Fields fields(Lighting& lighting) {
           .unit("mm")
           .implying("10")
           .otherwise("none; 10 without a number"),
-      Field("light_volume", lighting.volume_mm,
-            "Shadows and occlusion from places so far apart")
+      Field("light_volume", lighting.volume_mm, "Shadows and occlusion from places so far apart")
           .unit("mm")
           .implying("3")
           .otherwise("exact"),
