@@ -1,4 +1,4 @@
-// Where a body was, to go back to, or part of the way back.
+// Copy of the offsets of a body, to which it goes back wholly or in part.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ class KeptOffsets {
  public:
   explicit KeptOffsets(const Body& body);
   void restore(Body& body) const;
-  /// As far from `start` as so many parts of the way from there. Rounded down, which keeps every
+  /// Puts the body `parts` of the way from `start` on. Offsets are rounded down, which keeps every
   /// difference constraint: floor(x - W) is floor(x) - W.
   void restore_part(const KeptOffsets& start, std::int64_t parts, Body& body) const;
 

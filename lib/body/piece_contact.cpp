@@ -229,8 +229,8 @@ class PieceContact::Pair {
 
   std::vector<Vec3i> near(const PieceShape& shape, const Placing& seen,
                           const PieceShape& other) const {
-    // What meets the other piece comes from within the way of the corners. Voxels of a turned grid
-    // are longer in some directions than in others, at most twice in scans that are worth it.
+    // Voxels that meet the other piece come from within the way of the corners. Those of a turned
+    // grid are longer in some directions than in others, at most twice in scans that are worth it.
     const Vec3d margin(2 + (m_turns ? 2 : 1) * m_length_voxels);
     const Vec3d lo = Vec3d(other.lo()) - margin, hi = Vec3d(other.hi()) + margin;
     std::vector<Vec3i> voxels;

@@ -30,7 +30,7 @@ using PieceWay = std::function<RigidPose(std::size_t piece, double part)>;
 /// The end of a way.
 struct PieceStop {
   double part = 1;  // of the way, that pieces leave free
-  /// Those that meet there, in Body::rigid, and the voxel of `piece` at rest which lies deepest in
+  /// Pieces that meet there, in Body::rigid, and the voxel of `piece` at rest which lies deepest in
   /// `other`; -1: none does.
   int piece = -1, other = -1;
   Vec3i voxel{0, 0, 0};

@@ -169,7 +169,7 @@ class MotionSearch {
     return true;
   }
 
-  /// Of the bounds that are missed by equally much the first one counts.
+  /// The first bound counts where several are missed by equally much.
   struct Violation {
     double missing = kRoundingVoxels / 4;
     std::size_t element = 0;

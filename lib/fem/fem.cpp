@@ -100,7 +100,7 @@ void note(const LargestMotion& largest, FemReport& report) {
   report.beyond_elements = largest.beyond;
 }
 
-/// What is held stays prescribed. A start of another mesh is none.
+/// Held nodes stay prescribed. A start of another mesh does not count.
 void begin_from(const NodeStart& start_mm, NodalLoads& loads) {
   if (start_mm.size() != loads.u_mm.size()) return;
   for (std::size_t n = 0; n < loads.u_mm.size(); ++n) {
