@@ -111,6 +111,7 @@ nlohmann::ordered_json describe_volume(const std::string& path, ReadOptions read
   if (frames > 1) {
     json["frames"] = frames;
     json["frame"] = read.frame.value_or(0);
+    if (!header.frame_names.empty()) json["frame_names"] = header.frame_names;
   }
   add_geometry(json, header.geometry);
   for (const auto& [label, name] : header.label_names) {

@@ -69,21 +69,4 @@ std::unique_ptr<DecodingSource> open_inflate(std::shared_ptr<const InputFile> fi
   return std::make_unique<InflateSource>(std::move(file), range);
 }
 
-bool is_gzip(const std::string& head) {
-  return head.size() >= 2 && head[0] == '\x1f' && head[1] == '\x8b';
-}
-
-std::string gzip_head(const InputFile& file, std::size_t limit) {
-  std::string bytes(limit, '\0');
-  // The caller keeps the file alive longer than the source.
-  const std::shared_ptr<const InputFile> borrowed(&file, [](const InputFile*) {});
-  InflateSource source(borrowed, ByteRange{});
-  try {
-    bytes.resize(source.decode(bytes.data(), limit));
-  } catch (const InputError&) {
-    bytes.clear();
-  }
-  return bytes;
-}
-
 }  // namespace supple

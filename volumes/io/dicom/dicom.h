@@ -6,15 +6,34 @@
 #include <memory>
 #include <string>
 
+#include "volumes/io/bytes/input_file.h"
 #include "volumes/io/format/volume_file.h"
 
 namespace supple {
 
-/// True when the bytes (132 or more of them) are the start of a DICOM file.
-bool is_dicom(const std::string& head);
+/// Bytes that tell whether a file is one.
+constexpr std::size_t kDicomHead = 132;
 
-/// True when a regular file of the folder itself is a DICOM file; false for a path that is no
-/// folder. Files that cannot be opened do not count. Opens files until one is found.
+/// How a DICOM file starts: with a preamble, as it should, or without it, with "DICM", with its
+/// meta information, or with its data set, of which nothing but the bytes tells the coding.
+enum class DicomStart {
+  none,
+  preamble,
+  prefix,
+  meta,
+  implicit_little,
+  explicit_little,
+  explicit_big
+};
+DicomStart dicom_start(const std::string& head);
+
+/// True when the bytes (kDicomHead or more of them) are the start of a DICOM file.
+bool is_dicom(const std::string& head);
+/// True for a gzipped one.
+bool is_gzipped_dicom(const InputFile& file);
+
+/// True when a regular file of the folder itself is a DICOM file, gzipped or not; false for a path
+/// that is no folder. Files that cannot be opened do not count. Opens files until one is found.
 bool holds_dicom(const std::string& folder);
 
 /// The one series of a folder (flat), the series that a file belongs to (in the file's folder), or

@@ -38,6 +38,9 @@ void require_scalars(const VolumeHeader& header);
 int chosen_frame(const ReadOptions& options, std::int64_t count, const std::string& path,
                  const std::string& field);
 
+/// A file's own voxel size along one axis; 1 where that is no length and `options` replace it.
+double own_spacing(double spacing, const ReadOptions& options);
+
 /// One component of a file of several, as scalars.
 std::unique_ptr<VolumeFile> open_channel(std::unique_ptr<VolumeFile> file, int channel);
 

@@ -1,4 +1,5 @@
 // Frames, channels and spacings that the user chooses, for all readers.
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -59,6 +60,11 @@ int chosen_frame(const ReadOptions& options, std::int64_t count, const std::stri
     throw InputError({path, "frame", std::to_string(*options.frame), up_to(count)});
   }
   return *options.frame;
+}
+
+double own_spacing(double spacing, const ReadOptions& options) {
+  const bool is_length = spacing > 0 && std::isfinite(spacing);
+  return !is_length && options.spacing_mm ? 1 : spacing;
 }
 
 std::unique_ptr<VolumeFile> open_channel(std::unique_ptr<VolumeFile> file, int channel) {

@@ -43,11 +43,12 @@ struct VolumeHeader {
   double slope = 1;  // value = slope * stored + intercept
   double intercept = 0;
   int components = 1;           // values per voxel; 3 in a file of vectors
-  bool are_vectors = true;      // three components are; false where they are said to be colours
+  bool are_vectors = true;      // three components are; false where they are no displacement
   std::string warp_direction;   // of vectors, where the header records it as write_warp does
   std::string certificate;      // of the inversion that gave the vectors, one line of JSON
   bool vectors_in_ras = false;  // x and y of the vectors point right and anterior
   LabelNames label_names;       // of a segmentation that names its labels
+  std::vector<std::string> frame_names;  // of a time series that says what its frames are
   /// Warnings about a file that can be read: each a line without the file's name.
   std::vector<std::string> warnings;
 };

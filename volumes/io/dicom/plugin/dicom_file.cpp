@@ -20,7 +20,6 @@ namespace supple {
 namespace {
 
 constexpr std::size_t kFirstHeaderBytes = 64 * 1024;
-constexpr std::size_t kPreambleBytes = 132;
 
 /// DCMTK with its log silenced and its decoders registered.
 struct Library {
@@ -117,17 +116,41 @@ void check_depth(const std::string& path, const std::string& bytes) {
   }
 }
 
-/// The meta information: transfer syntax and where the dataset starts.
-void read_meta(DicomFile& result, const std::string& head) {
+/// The meta information in `head`, which begins at byte `offset` of the file: transfer syntax and
+/// where the dataset starts.
+void read_meta(DicomFile& result, const std::string& head, std::size_t offset) {
   const std::string& path = result.file->path();
-  BoundedStream stream(head.data(), head.size());
+  BoundedStream stream(head.data() + offset, head.size() - offset);
   DcmMetaInfo meta;
   meta.transferInit();
   const OFCondition condition = meta.read(stream, EXS_Unknown, EGL_noChange, stream.limit());
   if (condition.bad()) fail(path, "DICOM meta information", condition.text(), "an intact file");
-  result.data_offset = stream.tell();
+  result.data_offset = std::int64_t(offset) + stream.tell();
   result.syntax_uid = text_of(meta, DCM_TransferSyntaxUID);
   result.syntax = DcmXfer(result.syntax_uid.c_str()).getXfer();
+}
+
+/// Where a file begins with its data set, the syntax is that of its first elements.
+void read_start(DicomFile& result, const std::string& head) {
+  constexpr std::size_t kPrefixBytes = 4;
+  switch (dicom_start(head)) {
+    case DicomStart::none:
+      fail(result.file->path(), "format", "no \"DICM\" at byte 128", "a DICOM file");
+    case DicomStart::implicit_little:
+      result.syntax = EXS_LittleEndianImplicit;
+      break;
+    case DicomStart::explicit_little:
+      result.syntax = EXS_LittleEndianExplicit;
+      break;
+    case DicomStart::explicit_big:
+      result.syntax = EXS_BigEndianExplicit;
+      break;
+    case DicomStart::prefix:
+      return read_meta(result, head, kPrefixBytes);
+    default:
+      return read_meta(result, head, 0);
+  }
+  result.syntax_uid = DcmXfer(result.syntax).getXferID();
 }
 
 /// Parses as much of the dataset as `bytes` hold; true when the parser came to the pixels or the
@@ -185,9 +208,8 @@ DicomFile read_attributes(const std::string& path) {
   DicomFile result;
   result.file = std::make_shared<InputFile>(path);
   const std::string head = result.file->head(kFirstHeaderBytes);
-  if (!is_dicom(head)) fail(path, "format", "no \"DICM\" at byte 128", "a DICOM file");
-  check_depth(path, head.substr(kPreambleBytes));
-  read_meta(result, head);
+  check_depth(path, head);
+  read_start(result, head);
   read_dataset(result);
   return result;
 }

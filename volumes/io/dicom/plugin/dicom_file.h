@@ -36,7 +36,8 @@ struct DicomFile {
 /// Silences DCMTK's log and registers its decoders, once. Throws SystemError without dictionary.
 void prepare_dcmtk();
 
-/// Throws InputError for a file that is no DICOM file or is damaged in front of the pixels.
+/// Throws InputError for a file that is no DICOM file (dicom_start) or is damaged in front of the
+/// pixels.
 DicomFile read_attributes(const std::string& path);
 
 /// Throws InputError for a transfer syntax whose pixels are not read.

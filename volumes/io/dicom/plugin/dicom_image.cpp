@@ -5,6 +5,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/io/dicom/plugin/frame_reader.h"
+#include "volumes/io/dicom/plugin/phase_order.h"
 
 namespace supple {
 
@@ -51,7 +52,7 @@ Vec3d vector_of(const std::vector<double>& numbers, std::size_t first = 0) {
   return {numbers[first], numbers[first + 1], numbers[first + 2]};
 }
 
-void read_place(const FrameAttributes& frame, ImagePlane& plane) {
+void read_place(const FrameAttributes& frame, const ReadOptions& options, ImagePlane& plane) {
   const HeaderField position = frame.field(DCM_PlanePositionSequence, DCM_ImagePositionPatient);
   plane.position = vector_of(numbers_of(position, 3));
   const HeaderField orientation =
@@ -69,7 +70,9 @@ void read_place(const FrameAttributes& frame, ImagePlane& plane) {
   plane.column = plane.column.normalized();
 
   const HeaderField spacing = frame.field(DCM_PixelMeasuresSequence, DCM_PixelSpacing);
-  const std::vector<double> lengths = numbers_of(spacing, 2);
+  const bool is_replaced = spacing.text.empty() && options.spacing_mm;
+  const std::vector<double> lengths =
+      is_replaced ? std::vector<double>{1, 1} : numbers_of(spacing, 2);
   if (!(lengths[0] > 0) || !(lengths[1] > 0)) spacing.fail("two positive lengths in mm");
   plane.row_mm = lengths[0];
   plane.column_mm = lengths[1];
@@ -86,17 +89,26 @@ void read_rescale(const FrameAttributes& frame, const PixelFormat& format, Image
   invert_rescale(format, plane.slope, plane.intercept);
 }
 
-void read_order(const FrameAttributes& frame, ImagePlane& plane) {
+void read_phase(const FrameAttributes& frame, ImagePlane& plane) {
   const DcmTagKey content = DCM_FrameContentSequence;
-  plane.order = {frame.order_of(content, DCM_TemporalPositionIndex) +
-                     frame.order_of(content, DCM_TemporalPositionIdentifier),
-                 frame.order_of(content, DCM_AcquisitionNumber) +
-                     frame.order_of(content, DCM_FrameAcquisitionNumber),
-                 frame.order_of(DCM_MRDiffusionSequence, DCM_DiffusionBValue),
-                 frame.order_of(DCM_MREchoSequence, DCM_EffectiveEchoTime) +
-                     frame.order_of(content, DCM_EchoTime),
-                 frame.order_of(content, DCM_InstanceNumber),
-                 double(plane.frame)};
+  for (const PhaseAttribute& attribute : phase_attributes()) {
+    const auto text = [&](const DcmTagKey& tag) { return frame.field(attribute.group, tag).text; };
+    double number = 0;
+    if (attribute.form == PhaseForm::number) {
+      number = frame.order_of(attribute.group, attribute.tag);
+    } else if (attribute.form == PhaseForm::date_time) {
+      number = seconds_of_date_time(text(attribute.tag));
+    } else if (const std::string time = text(attribute.tag); !time.empty()) {
+      number = seconds_of(text(attribute.date), time);
+    }
+    plane.phase.push_back(number);
+  }
+  plane.phase.back() = double(plane.frame);
+  HeaderField index = frame.field(content, DCM_DimensionIndexValues);
+  std::replace(index.text.begin(), index.text.end(), '\\', ' ');
+  if (index.text.empty()) return;
+  const std::vector<double> dimensions = index.numbers();
+  plane.phase.insert(plane.phase.end(), dimensions.begin(), dimensions.end());
 }
 
 /// A dose grid or another stack whose frames are offsets along the normal from the first.
@@ -113,7 +125,7 @@ void place_by_offsets(const std::string& path, DcmItem& dataset, std::vector<Ima
   }
 }
 
-void read_planes(DcmItem& dataset, int frames, DicomImage& image) {
+void read_planes(DcmItem& dataset, int frames, const ReadOptions& options, DicomImage& image) {
   DcmSequenceOfItems* groups = nullptr;
   dataset.findAndGetSequence(DCM_PerFrameFunctionalGroupsSequence, groups);
   if (groups != nullptr && groups->card() != unsigned(frames)) {
@@ -128,11 +140,17 @@ void read_planes(DcmItem& dataset, int frames, DicomImage& image) {
     ImagePlane& plane = image.planes[std::size_t(f)];
     plane.frame = f;
     const FrameAttributes frame(image.path, dataset, dynamic_cast<DcmItem*>(own));
-    read_place(frame, plane);
+    read_place(frame, options, plane);
     read_rescale(frame, image.format, plane);
-    read_order(frame, plane);
+    read_phase(frame, plane);
   }
   if (groups == nullptr && frames > 1) place_by_offsets(image.path, dataset, image.planes);
+}
+
+/// Whether a value of ImageType says so.
+bool is_scout(DcmItem& dataset) {
+  const std::string types = "\\" + text_of(dataset, DCM_ImageType) + "\\";
+  return types.find("\\LOCALIZER\\") != std::string::npos;
 }
 
 int frames_of(const std::string& path, DcmItem& dataset) {
@@ -153,7 +171,7 @@ std::optional<SeriesMember> series_member(DicomFile& file) {
                       frames_of(file.file->path(), dataset) > 1};
 }
 
-DicomImage read_image(DicomFile& file) {
+DicomImage read_image(DicomFile& file, const ReadOptions& options) {
   require_syntax(file);
   DcmItem& dataset = *file.dataset;
   DicomImage image;
@@ -165,10 +183,11 @@ DicomImage read_image(DicomFile& file) {
   image.data_offset = file.data_offset;
   image.lossy = text_of(dataset, DCM_LossyImageCompression) == "01" ||
                 file.syntax == EXS_JPEGProcess1 || file.syntax == EXS_JPEGProcess2_4;
+  image.is_scout = is_scout(dataset);
   image.format = pixel_format(image.path, dataset);
   const int frames = frames_of(image.path, dataset);
   image.pixels = check_pixels(file, image.format, frames);
-  read_planes(dataset, frames, image);
+  read_planes(dataset, frames, options, image);
   return image;
 }
 

@@ -21,7 +21,7 @@ using SeriesByUid = std::map<std::string, SeriesEntry>;
 
 struct Folder {
   SeriesByUid series;
-  std::vector<Problem> damaged;  // files that say they are DICOM but cannot be parsed
+  std::vector<Problem> damaged;  // DICOM files that cannot be parsed
 };
 
 std::string name_of_file(const std::string& path) {
@@ -33,7 +33,7 @@ std::vector<std::string> regular_files(const std::string& folder) {
   std::vector<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     std::error_code unknown;
-    if (!entry.is_regular_file(unknown) || entry.file_size(unknown) < 132) continue;
+    if (!entry.is_regular_file(unknown) || entry.file_size(unknown) < kDicomHead) continue;
     files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());
@@ -43,7 +43,12 @@ std::vector<std::string> regular_files(const std::string& folder) {
 Folder contents_of(const std::vector<std::string>& files) {
   Folder folder;
   for (const std::string& path : files) {
-    if (!is_dicom(InputFile(path).head(132))) continue;
+    const InputFile input(path);
+    if (is_gzipped_dicom(input)) {
+      folder.damaged.push_back(
+          {path, "format", "a gzipped DICOM file", "the file unpacked (gunzip)"});
+    }
+    if (!is_dicom(input.head(kDicomHead))) continue;
     try {
       DicomFile file = read_attributes(path);
       const std::optional<SeriesMember> member = series_member(file);
@@ -90,15 +95,36 @@ std::vector<std::string> same_series(const std::string& path, const std::string&
 }
 
 /// Copies of one instance under several names count once.
-void add_image(DicomFile& file, std::set<std::string>& instances, DicomSeries& series) {
-  DicomImage image = read_image(file);
+void add_image(DicomFile& file, const ReadOptions& options, std::set<std::string>& instances,
+               DicomSeries& series) {
+  DicomImage image = read_image(file, options);
   if (!image.instance_uid.empty() && !instances.insert(image.instance_uid).second) {
     series.warnings.push_back(printable(name_of_file(image.path)) +
                               " is a copy of another slice; it is left out");
     return;
   }
-  for (ImagePlane& plane : image.planes) plane.image = series.images.size();
   series.images.push_back(std::move(image));
+}
+
+/// Scouts lie across the slices that were planned on them; some scanners put them into the series.
+void leave_out_scouts(const std::string& path, DicomSeries& series) {
+  std::vector<DicomImage> slices, scouts;
+  for (DicomImage& image : series.images) {
+    (image.is_scout ? scouts : slices).push_back(std::move(image));
+  }
+  const auto named = [&](const DicomImage& image) { return image.path == path; };
+  if (slices.empty() || std::any_of(scouts.begin(), scouts.end(), named)) {
+    slices.swap(scouts);
+  } else {
+    for (const DicomImage& scout : scouts) {
+      series.warnings.push_back(printable(name_of_file(scout.path)) +
+                                " is left out: ImageType LOCALIZER, a scout of the series");
+    }
+  }
+  for (std::size_t n = 0; n < slices.size(); ++n) {
+    for (ImagePlane& plane : slices[n].planes) plane.image = n;
+  }
+  series.images = std::move(slices);
 }
 
 std::string numbers_text(std::initializer_list<double> numbers) {
@@ -141,9 +167,27 @@ void check_plane(const SeriesComparison& compare, const ImagePlane& a, const Ima
                   orientation_text(b));
 }
 
+/// The first of the images that are like most others in size and orientation.
+std::size_t usual_image(const DicomSeries& series) {
+  std::map<std::string, std::vector<std::size_t>> alike;
+  for (std::size_t n = 0; n < series.images.size(); ++n) {
+    const DicomImage& image = series.images[n];
+    alike[std::to_string(image.format.rows) + " " + std::to_string(image.format.columns) + " " +
+          orientation_text(image.planes.front())]
+        .push_back(n);
+  }
+  std::size_t usual = 0, most = 0;
+  for (const auto& [kind, images] : alike) {
+    if (images.size() < most || (images.size() == most && images.front() > usual)) continue;
+    most = images.size();
+    usual = images.front();
+  }
+  return usual;
+}
+
 }  // namespace
 
-DicomSeries find_series(const std::string& path) {
+DicomSeries find_series(const std::string& path, const ReadOptions& options) {
   DicomSeries series;
   series.path = path;
   std::vector<std::string> files = {path};
@@ -164,8 +208,9 @@ DicomSeries find_series(const std::string& path) {
   std::set<std::string> instances;
   for (const std::string& name : files) {
     DicomFile file = read_attributes(name);
-    add_image(file, instances, series);
+    add_image(file, options, instances, series);
   }
+  leave_out_scouts(path, series);
   for (const Problem& problem : folder.damaged) {
     series.warnings.push_back(printable(name_of_file(problem.file)) +
                               " is left out: " + problem.field + ": " + printable(problem.found));
@@ -174,7 +219,7 @@ DicomSeries find_series(const std::string& path) {
 }
 
 void check_alike(const DicomSeries& series) {
-  const DicomImage& first = series.images.front();
+  const DicomImage& first = series.images[usual_image(series)];
   for (const DicomImage& other : series.images) {
     const SeriesComparison compare{first, other};
     const PixelFormat &a = first.format, &b = other.format;

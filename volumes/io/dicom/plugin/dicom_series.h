@@ -16,7 +16,7 @@ struct DicomSeries {
 };
 
 /// Throws InputError when a folder holds no image or several series, and as read_image does.
-DicomSeries find_series(const std::string& path);
+DicomSeries find_series(const std::string& path, const ReadOptions& options);
 
 /// Throws InputError, naming two files and both values, unless all images agree in size, type,
 /// pixel spacing and orientation.

@@ -15,7 +15,8 @@ namespace {
 
 class DicomVolume : public VolumeFile {
  public:
-  DicomVolume(const std::string& path, const ReadOptions& options) : m_series(find_series(path)) {
+  DicomVolume(const std::string& path, const ReadOptions& options)
+      : m_series(find_series(path, options)) {
     check_alike(m_series);
     m_stack = stack_slices(m_series, options);
     m_header.path = path;
@@ -25,6 +26,7 @@ class DicomVolume : public VolumeFile {
     m_header.warnings = m_series.warnings;
     m_header.warnings.insert(m_header.warnings.end(), m_stack.warnings.begin(),
                              m_stack.warnings.end());
+    m_header.frame_names = m_stack.frame_names;
     set_geometry();
     set_rescale();
     warn_of_values();
@@ -79,6 +81,12 @@ class DicomVolume : public VolumeFile {
     const std::vector<DicomImage>& images = m_series.images;
     if (images.front().format.inverted) {
       m_header.warnings.push_back("MONOCHROME1: values are inverted, so that bright is high");
+    }
+    const auto is_flat = [](const ImagePlane& slice) { return slice.slope == 0; };
+    if (const auto flat = std::count_if(m_stack.slices.begin(), m_stack.slices.end(), is_flat)) {
+      m_header.warnings.push_back("RescaleSlope: slope 0 makes all values equal in " +
+                                  std::to_string(flat) + " of " +
+                                  std::to_string(m_stack.slices.size()) + " slices");
     }
     if (std::any_of(images.begin(), images.end(), [](const auto& image) { return image.lossy; })) {
       m_header.warnings.push_back("the values were compressed with loss");

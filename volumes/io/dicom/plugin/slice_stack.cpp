@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/io/dicom/plugin/phase_order.h"
 #include "volumes/io/format/formats.h"
 
 namespace supple {
@@ -73,13 +74,14 @@ class StackBuilder {
     const std::size_t count = frames_of(all, starts);
     const int frame =
         chosen_frame(m_options, std::int64_t(count), m_series.path, "images at each position");
+    std::vector<PlanesAtPosition> positions;
     for (const std::size_t start : starts) {
-      const auto from = all.begin() + std::ptrdiff_t(start);
-      std::stable_sort(from, from + std::ptrdiff_t(count),
-                       [](const PlacedPlane& a, const PlacedPlane& b) {
-                         return a.plane->order < b.plane->order;
-                       });
-      m_planes.push_back(from[frame]);
+      positions.emplace_back();
+      for (std::size_t n = start; n < start + count; ++n) positions.back().push_back(all[n].plane);
+    }
+    m_stack.frame_names = order_phases(m_series.path, positions);
+    for (std::size_t n = 0; n < starts.size(); ++n) {
+      m_planes.push_back({all[starts[n]].height, positions[n][std::size_t(frame)]});
     }
   }
 

@@ -17,14 +17,16 @@
 namespace supple {
 
 struct SliceStack {
-  std::vector<ImagePlane> slices;  // k rising; a missing one repeats its neighbour
-  Vec3d origin;                    // centre of the first voxel, LPS mm
-  Vec3d step;                      // of k, mm
+  std::vector<ImagePlane> slices;        // k rising; a missing one repeats its neighbour
+  Vec3d origin;                          // centre of the first voxel, LPS mm
+  Vec3d step;                            // of k, mm
+  std::vector<std::string> frame_names;  // of several at every position
   std::vector<std::string> warnings;
 };
 
-/// Throws InputError for uneven distances and for positions that occur different numbers of times;
-/// `options.frame` chooses among planes at the same positions.
+/// Throws InputError for uneven distances, for positions that occur different numbers of times, and
+/// for planes at the same positions that nothing tells apart (phase_order.h); `options.frame`
+/// chooses among them.
 SliceStack stack_slices(const DicomSeries& series, const ReadOptions& options);
 
 }  // namespace supple
