@@ -22,6 +22,8 @@ namespace supple {
 namespace {
 
 constexpr std::array<const char*, 6> kColumns = {"x", "y", "z", "dx", "dy", "dz"};
+/// Columns of Slicer's fiducials where no comment names them.
+constexpr const char* kFiducialColumns = "label,x,y,z,sel,vis";
 constexpr std::string_view kAround = " \t\r\n\f\v\"";  // what may stand around a field
 
 /// A field without the blanks and the quotes around it, and where it begins in the line.
@@ -58,6 +60,8 @@ class PointReader {
   PointReader(const std::string& path, std::string content) {
     m_file.path = path;
     m_file.content = std::move(content);
+    m_is_list = lower_case(std::filesystem::path(path).extension().string()) == ".fcsv";
+    m_is_ras = m_is_list;
   }
 
   PointFile read() {
@@ -85,15 +89,36 @@ class PointReader {
     if (text.empty()) return;
     if (text[0] == '#') {
       take_comment(text.substr(1));
-    } else if (m_columns_known) {
+      return;
+    }
+    if (!m_columns_known && m_is_list && !names_columns(text)) take_columns(kFiducialColumns);
+    if (m_columns_known) {
       take_point(fields_of(line));
     } else {
       take_columns(text);
     }
   }
 
+  /// Whether a line of a list names columns, as those of this program and of spreadsheets do.
+  static bool names_columns(const std::string& text) {
+    const std::vector<PointField> names = fields_of(lower_case(text));
+    return std::any_of(names.begin(), names.end(),
+                       [](const PointField& name) { return name.text == kColumns[0]; });
+  }
+
+  /// Lists of Slicer are RAS where they say nothing else. Slicer 3 and 4.0 knew no other frame.
+  void take_kind(const std::string& text) {
+    const std::string kind = lower_case(trimmed(text));
+    if (kind.rfind("fiducial list file", 0) != 0 && kind.rfind("markups fiducial file", 0) != 0) {
+      return;
+    }
+    m_is_list = true;
+    m_is_ras = m_is_ras || !m_is_frame_said;
+  }
+
   /// "key = value" as Slicer writes it; any other comment is ignored.
   void take_comment(const std::string& text) {
+    take_kind(text);
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos) return;
     const std::string key = lower_case(trimmed(text.substr(0, equals)));
@@ -104,6 +129,7 @@ class PointReader {
 
   void take_frame(const std::string& value) {
     const std::string frame = lower_case(value);
+    m_is_frame_said = true;
     m_is_ras = frame == "ras" || frame == "0";
     if (m_is_ras || frame == "lps" || frame == "1") return;
     throw InputError({place(), "CoordinateSystem", "'" + printable(value) + "'", "LPS or RAS"});
@@ -158,6 +184,8 @@ class PointReader {
   int m_line = 0;
   std::size_t m_begin = 0;  // of the line, in the file
   bool m_columns_known = false;
+  bool m_is_list = false;  // of Slicer's fiducials
+  bool m_is_frame_said = false;
   bool m_is_ras = false;
   std::array<int, 6> m_columns{};
 };

@@ -2,9 +2,9 @@
 // where each point has a displacement of its own, dx, dy, dz (any case, any order, others are
 // ignored), then one point a line, in millimetres. Lines that begin with # are comments, among them
 // those of 3D Slicer's .fcsv: "# columns = …" stands for the header line and "# CoordinateSystem =
-// LPS|RAS|0|1" for the frame, which is LPS where nothing is said. Files that begin with { are
-// Slicer's markups (markups.h).
-// Cost: the file's bytes and 140 bytes per point.
+// LPS|RAS|0|1" for the frame. Where nothing is said the frame of such lists is RAS and their
+// columns are label, x, y, z, as Slicer 3 wrote them; that of other files is LPS. Files that begin
+// with { are Slicer's markups (markups.h). Cost: the file's bytes and 140 bytes per point.
 #pragma once
 
 #include <array>

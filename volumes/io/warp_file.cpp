@@ -30,6 +30,12 @@ std::optional<WarpDirection> parse_direction(const VolumeHeader& header) {
   HeaderField{header.path, "supple direction", name}.fail("resample or material");
 }
 
+/// Whether three values per voxel may be a displacement; plain bytes are colours in every format.
+bool may_be_displacement(const VolumeHeader& header) {
+  const bool are_bytes = header.type == ValueType::uint8 && header.slope == 1;
+  return header.components == 3 && header.are_vectors && !are_bytes;
+}
+
 /// One slice as floats in LPS; returns how many vectors are not finite.
 std::int64_t convert_slice(const VolumeHeader& header, const std::vector<char>& stored,
                            std::vector<double>& values, Vec3f* out) {
@@ -57,13 +63,14 @@ Warp read_warp(const std::string& path, Progress* progress, const Geometry* grid
   options.grid = grid;
   const auto file = open_scalars_or_vectors(path, options);
   const VolumeHeader& header = file->header();
-  if (header.components != 3 || !header.are_vectors) {
-    const std::string count = header.components == 1 ? "one component"
+  if (!may_be_displacement(header)) {
+    const std::string found = header.components == 1 ? "one component per voxel"
                               : header.components == 3
-                                  ? "colours or other triples"
-                                  : std::to_string(header.components) + " components";
-    throw InputError({path, "values", count + " per voxel", "a warp: three components per voxel"});
+                                  ? "colours or other triples that are no displacement"
+                                  : std::to_string(header.components) + " components per voxel";
+    throw InputError({path, "values", found, "a warp: three components per voxel"});
   }
+  warn_of_all(path, header.warnings, progress);
   Warp warp{path, header.geometry, parse_direction(header), {}};
   if (progress != nullptr) progress->stage("reading");
 

@@ -69,6 +69,7 @@ TEST(UnitWriter, AnNrrdWarpHasExactlyTheFieldsOfTheDesign) {
             "space units: \"mm\" \"mm\" \"mm\"\n"
             "supple direction:=resample\n"
             "supple vectors:=mm LPS\n"
+            "displacement field type:=resampling\n"
             "\n" +
                 values_of_counting_vectors());
 }

@@ -168,6 +168,9 @@ TEST(FaultVdbVolume, GridsThatAreNoVolumeAreNamed) {
             std::string::npos);
   EXPECT_NE(line_of({fog("a"), fog("b")}).find("found a (float), b (float)"), std::string::npos);
   EXPECT_EQ(line_of({fog("a"), fog("density")}), "");
+  // Neither of two of one name is "the" density.
+  EXPECT_NE(line_of({fog("density"), fog("a"), fog("density")}).find("two grids called density"),
+            std::string::npos);
   EXPECT_NE(line_of({make_grid<openvdb::FloatGrid>(0)}).find("no active voxel"), std::string::npos);
   auto apart = fog("apart");
   apart->tree().setValueOn({100000, 100000, 5}, 1.0f);

@@ -129,6 +129,98 @@ TEST(UnitVtu, OtherCellsAreTheTetrahedraOfTheirCorners) {
   EXPECT_EQ(wedge[2] + wedge[3] + pyramid[2] + pyramid[3], 0);
 }
 
+std::string base64(const std::string& bytes) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t n = 0; n < bytes.size(); n += 3) {
+    const std::size_t count = std::min<std::size_t>(3, bytes.size() - n);
+    std::uint32_t bits = 0;
+    for (std::size_t b = 0; b < 3; ++b) {
+      bits = bits << 8 | (b < count ? std::uint8_t(bytes[n + b]) : 0u);
+    }
+    for (std::size_t d = 0; d < 4; ++d) {
+      text += d <= count ? digits[bits >> (18 - 6 * d) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+/// The length of the values in front of them.
+enum class LengthCoding { together, apart };
+
+template <class Word, class T>
+std::string coded(LengthCoding coding, const std::vector<T>& values) {
+  const std::string length = bytes_of_value(Word(values.size() * sizeof(T)));
+  const std::string bytes = bytes_of_values(values);
+  return coding == LengthCoding::together ? base64(length + bytes) : base64(length) + base64(bytes);
+}
+
+template <class Word>
+std::string coded_tetrahedron(LengthCoding coding, const std::string& header_type) {
+  std::string text = vtu("", "", "", "", "");
+  const std::size_t begin = text.find("<PointData>"), end = text.find("</Piece>");
+  const auto array_of = [](const char* type, const char* name, int components,
+                           const std::string& values) {
+    std::string one = array(name, type, components, values);
+    return one.replace(one.find("ascii"), 5, "binary");
+  };
+  const std::vector<double> points = {0, 0, 0, 10, 0, 0, 0, 10, 0, 0, 0, 10};
+  const std::vector<double> moved = {1, 2, 3, 1, 2, 3, 1, 2, 3, 1, 2, 3};
+  text.replace(
+      begin, end - begin,
+      "<PointData>" + array_of("Float64", "u", 3, coded<Word>(coding, moved)) +
+          "</PointData><Points>" + array_of("Float64", "p", 3, coded<Word>(coding, points)) +
+          "</Points><Cells>" +
+          array_of("Int64", "connectivity", 1,
+                   coded<Word>(coding, std::vector<std::int64_t>{0, 1, 2, 3})) +
+          array_of("Int64", "offsets", 1, coded<Word>(coding, std::vector<std::int64_t>{4})) +
+          array_of("UInt8", "types", 1, coded<Word>(coding, std::vector<std::uint8_t>{10})) +
+          "</Cells>");
+  return text.insert(text.find("byte_order"), header_type);
+}
+
+TEST(UnitVtu, LengthsMayBeCodedApartFromTheValuesBehindThem) {
+  const TemporaryFolder folder;
+  for (const LengthCoding coding : {LengthCoding::together, LengthCoding::apart}) {
+    write_text(folder / "a.vtu", coded_tetrahedron<std::uint32_t>(coding, ""));
+    write_text(folder / "b.vtu",
+               coded_tetrahedron<std::uint64_t>(coding, "header_type=\"UInt64\" "));
+    for (const char* name : {"a.vtu", "b.vtu"}) {
+      const MovedSolid solid = read_vtu(folder / name);
+      ASSERT_EQ(solid.points_lps_mm.size(), 4u) << name;
+      EXPECT_EQ(solid.points_lps_mm[1], Vec3d(10, 0, 0));
+      EXPECT_EQ(solid.moved_mm[3], Vec3d(1, 2, 3));
+      EXPECT_EQ(solid.tetrahedra.size(), 1u);
+    }
+  }
+}
+
+class Heard : public Progress {
+ public:
+  void stage(std::string_view) override {}
+  void update(double) override {}
+  bool cancelled() const override { return false; }
+  void warn(const std::string& line) override { lines.push_back(line); }
+  std::vector<std::string> lines;
+};
+
+TEST(UnitVtu, CellsThatTheirMotionTurnsInsideOutAreWarnedOf) {
+  const TemporaryFolder folder;
+  const auto warnings = [&](const std::string& u) {
+    const std::string corners = "0 0 0 10 0 0 0 10 0 0 0 10 0 0 0 0 0 0 0 0 0 0 0 0";
+    write_text(folder / "a.vtu", vtu(corners, array("u", "Float64", 3, u), "0 1 2 3", "4", "10"));
+    Heard heard;
+    read_warp(folder / "a.vtu", &heard, &kAround);
+    return heard.lines;
+  };
+  const std::string rest = " 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0";
+  EXPECT_TRUE(warnings("0 0 0 -5 0 0" + rest).empty());
+  const auto lines = warnings("0 0 0 -20 0 0" + rest);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("1 of 1 tetrahedra"), std::string::npos) << lines[0];
+  EXPECT_NE(lines[0].find("inside out"), std::string::npos) << lines[0];
+}
+
 TEST(FaultVtu, WhatIsNoMovedSolidNamesFileAndField) {
   const TemporaryFolder folder;
   const auto expect_field = [&](const std::string& content, const std::string& field) {

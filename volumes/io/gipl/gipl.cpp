@@ -59,14 +59,16 @@ ValueType parse_type(const std::string& path, const std::string& head) {
   }
 }
 
-Geometry parse_geometry(const std::string& path, const std::string& head) {
+Geometry parse_geometry(const std::string& path, const std::string& head,
+                        const ReadOptions& options) {
   Vec3i dims;
   Vec3d spacing, origin;
   for (int a = 0; a < 3; ++a) {
     const std::string axis = "[" + std::to_string(a) + "]";
     dims[a] = number_at<std::uint16_t>(head, kDims + 2 * std::size_t(a));
     if (dims[a] < 1) throw InputError({path, "dim" + axis, "0", "1 to 65535"});
-    spacing[a] = double(number_at<float>(head, kSpacing + 4 * std::size_t(a)));
+    spacing[a] =
+        own_spacing(double(number_at<float>(head, kSpacing + 4 * std::size_t(a))), options);
     if (!(spacing[a] > 0)) {
       throw InputError({path, "pixdim" + axis, exact_text(spacing[a]), "a positive number of mm"});
     }
@@ -97,7 +99,7 @@ std::unique_ptr<VolumeFile> open_gipl(const std::string& path, const ReadOptions
   StreamLayout layout;
   layout.header.path = path;
   layout.header.format = "gipl";
-  layout.header.geometry = parse_geometry(path, head);
+  layout.header.geometry = parse_geometry(path, head, options);
   layout.header.type = parse_type(path, head);
   layout.big_endian = true;
   layout.frames = std::max<std::int64_t>(1, number_at<std::uint16_t>(head, kDims + 6));

@@ -1,5 +1,5 @@
-// STL: triangles with a normal each. Text files start with "solid"; some
-// binary ones do, too, so that the length decides.
+// STL: triangles with a normal each. Text files start with "solid"; some binary ones do, too, so
+// that the length decides, and in files that were cut a byte of 0, which no text has.
 #include <cstdint>
 #include <cstring>
 
@@ -95,7 +95,8 @@ TriangleMesh read_stl(const std::string& path, const std::string& content, MeshS
   const bool has_count = content.size() >= kFirstAt;
   if (has_count && binary_size(content) == content.size()) return read_binary(content, slots);
   const std::size_t text = content.find_first_not_of(" \t\r\n");
-  if (text != std::string::npos && lower_case(content.substr(text, 5)) == "solid") {
+  const bool is_cut = has_count && content.find('\0') != std::string::npos;
+  if (!is_cut && text != std::string::npos && lower_case(content.substr(text, 5)) == "solid") {
     return read_text(path, content, slots);
   }
   throw InputError({path, "STL", std::to_string(content.size()) + " bytes",

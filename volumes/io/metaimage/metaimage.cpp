@@ -113,7 +113,8 @@ std::vector<double> numbers_of(const HeaderField& field, std::size_t count,
 }
 
 /// Of the first three axes; time must not run through space.
-Geometry parse_geometry(const MetaHeader& header, const std::vector<std::int64_t>& sizes) {
+Geometry parse_geometry(const MetaHeader& header, const std::vector<std::int64_t>& sizes,
+                        const ReadOptions& options) {
   const std::size_t count = sizes.size(), spatial = std::min<std::size_t>(count, 3);
   const Vec3i dims = dims_from(header.field("DimSize"), {sizes.begin(), sizes.begin() + spatial});
   std::vector<double> unit_matrix(count * count, 0.0);
@@ -121,13 +122,14 @@ Geometry parse_geometry(const MetaHeader& header, const std::vector<std::int64_t
 
   const HeaderField spacing_field = header.any_of({"ElementSpacing", "ElementSize"});
   const HeaderField matrix_field = header.any_of({"TransformMatrix", "Rotation", "Orientation"});
-  const auto spacing = numbers_of(spacing_field, count, std::vector<double>(count, 1.0));
+  auto spacing = numbers_of(spacing_field, count, std::vector<double>(count, 1.0));
   const auto offset = numbers_of(header.any_of({"Offset", "Origin", "Position"}), count,
                                  std::vector<double>(count, 0.0));
   const auto matrix = numbers_of(matrix_field, count * count, unit_matrix);
   Vec3d origin(0, 0, 0);
   std::array<Vec3d, 3> axes = {Vec3d(0, 0, 0), {0, 0, 0}, {0, 0, 1}};
   for (std::size_t a = 0; a < spatial; ++a) {
+    spacing[a] = own_spacing(spacing[a], options);
     if (!(spacing[a] > 0)) spacing_field.fail("positive numbers");
     origin[int(a)] = offset[a];
     for (std::size_t c = 0; c < spatial; ++c) axes[a][int(c)] = matrix[a * count + c] * spacing[a];
@@ -157,14 +159,24 @@ void read_channels(const MetaHeader& header, VolumeHeader& volume) {
   volume.certificate = header.field("SuppleCertificate").text;
 }
 
-StreamLayout layout_of(const MetaHeader& header, const std::vector<std::int64_t>& sizes) {
+/// ITK passes over the unit that MetaIO may record.
+void warn_of_unit(const MetaHeader& header, VolumeHeader& volume) {
+  const std::string unit = header.field("DistanceUnits").text;
+  if (unit.empty() || unit == "?" || lower_case(unit) == "mm") return;
+  volume.warnings.push_back("DistanceUnits " + printable(unit) +
+                            " is passed over, as in ITK: voxel sizes count as mm");
+}
+
+StreamLayout layout_of(const MetaHeader& header, const std::vector<std::int64_t>& sizes,
+                       const ReadOptions& options) {
   StreamLayout layout;
   layout.header.path = header.path;
   layout.header.format = "metaimage";
-  layout.header.geometry = parse_geometry(header, sizes);
+  layout.header.geometry = parse_geometry(header, sizes, options);
   layout.header.type = parse_type(header.field("ElementType"));
   layout.frames = sizes.size() == 4 ? sizes[3] : 1;
   read_channels(header, layout.header);
+  warn_of_unit(header, layout.header);
 
   const HeaderField binary = header.field("BinaryData");
   const HeaderField compressed = header.field("CompressedData");
@@ -249,7 +261,7 @@ std::unique_ptr<VolumeFile> open_metaimage(const std::string& path, const ReadOp
   const auto file = std::make_shared<InputFile>(path);
   const MetaHeader header = parse_header(*file);
   const std::vector<std::int64_t> sizes = parse_sizes(header);
-  StreamLayout layout = layout_of(header, sizes);
+  StreamLayout layout = layout_of(header, sizes, options);
   layout.frame = chosen_frame(options, layout.frames, path, "DimSize");
   DataFiles files;
   if (lower_case(header.field("ElementDataFile").text) == "local") {

@@ -88,7 +88,18 @@ void parse_scaling(const std::string& path, const nifti_2_header& header, Volume
   volume.intercept = intercept;
 }
 
+/// Whether three values may be a displacement in mm: SPM's y_*.nii and fields of NiftyReg hold
+/// places, and FSL's coefficients and warps have axes of their own.
+bool may_be_displacement(const nifti_2_header& header) {
+  const std::string name(header.intent_name,
+                         strnlen(header.intent_name, sizeof header.intent_name));
+  if (name == "Mapping" || name.compare(0, 4, "NREG") == 0) return false;
+  return header.intent_code == NIFTI_INTENT_NONE || header.intent_code == NIFTI_INTENT_VECTOR ||
+         header.intent_code == NIFTI_INTENT_DISPVECT;
+}
+
 void parse_intent(const std::string& path, const nifti_2_header& header, VolumeHeader& volume) {
+  volume.are_vectors = may_be_displacement(header);
   const bool is_displacement = header.intent_code == NIFTI_INTENT_DISPVECT;
   if (!is_displacement && header.intent_code != NIFTI_INTENT_VECTOR) return;
   const int unit = XYZT_TO_SPACE(header.xyzt_units);
@@ -183,9 +194,10 @@ std::unique_ptr<VolumeFile> open_nifti(const std::string& path, const ReadOption
   }
   volume.type = samples.type;
   volume.components = samples.components * axes.planes;
-  volume.geometry = nifti_geometry(header_path, header.values, axes.dims, volume.warnings);
+  volume.geometry = nifti_geometry(header_path, header.values, axes.dims, options, volume.warnings);
   if (samples.components == 1) parse_scaling(header_path, header.values, volume);
   parse_intent(header_path, header.values, volume);
+  volume.are_vectors = volume.are_vectors && samples.components == 1;
   read_nifti_extensions(*header_file, header, volume);
 
   layout.frames = axes.frames;

@@ -6,6 +6,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/io/bytes/text_header.h"
+#include "volumes/io/format/formats.h"
 #include "volumes/io/nifti/nifti_header.h"
 
 namespace supple {
@@ -114,8 +115,9 @@ void set_qform(const nifti_dmat44& affine, nifti_2_header& header) {
 
 }  // namespace
 
-Geometry nifti_geometry(const std::string& path, const nifti_2_header& header, const Vec3i& dims,
-                        std::vector<std::string>& warnings) {
+Geometry nifti_geometry(const std::string& path, nifti_2_header header, const Vec3i& dims,
+                        const ReadOptions& options, std::vector<std::string>& warnings) {
+  for (int a = 1; a <= 3; ++a) header.pixdim[a] = own_spacing(header.pixdim[a], options);
   if (header.sform_code <= 0) {
     return header.qform_code > 0 ? qform_geometry(path, header, dims)
                                  : spacing_geometry(path, header, dims);

@@ -45,6 +45,8 @@ void copy_fields(const From& from, To& to) {
   to.xyzt_units = static_cast<decltype(to.xyzt_units)>(from.xyzt_units);
   static_assert(sizeof from.descrip == sizeof to.descrip);
   std::memcpy(to.descrip, from.descrip, sizeof to.descrip);
+  static_assert(sizeof from.intent_name == sizeof to.intent_name);
+  std::memcpy(to.intent_name, from.intent_name, sizeof to.intent_name);
 }
 
 nifti_2_header from_nifti1(const nifti_1_header& old) {

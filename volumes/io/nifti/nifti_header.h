@@ -43,8 +43,8 @@ std::string nifti_head(const InputFile& file, std::size_t limit);
 /// The grid in LPS mm: sform, else qform, else the spacings alone. Where sform and qform are both
 /// set and put a corner of the box more than 0.05 voxel apart, `warnings` says so. Throws
 /// InputError for numbers that give no grid.
-Geometry nifti_geometry(const std::string& path, const nifti_2_header& header, const Vec3i& dims,
-                        std::vector<std::string>& warnings);
+Geometry nifti_geometry(const std::string& path, nifti_2_header header, const Vec3i& dims,
+                        const ReadOptions& options, std::vector<std::string>& warnings);
 
 /// Sets dim[1..3], pixdim, sform, qform and the unit mm. The qform's code is set only where its
 /// quaternion, rounded to 32-bit floats, keeps every corner of the box within 0.01 voxel: sheared

@@ -62,30 +62,49 @@ bool is_big_endian(const NrrdHeader& header, ValueType type, Compression compres
   return needed && order == "big";
 }
 
-/// Geometry, axes, and the direction that supple's own writer records.
-void read_lattice(const NrrdHeader& header, const NrrdAxes& axes, StreamLayout& layout) {
+/// The direction that supple's own writer records, or 3D Slicer: "modeling" moves points, and
+/// "resampling" reads at the moved place.
+std::string direction_of(const NrrdHeader& header) {
+  const auto value_of = [&](const char* key) {
+    const auto found = header.keys.find(key);
+    return found == header.keys.end() ? std::string() : found->second;
+  };
+  const std::string own = value_of("supple direction");
+  const HeaderField slicer{header.path, "displacement field type",
+                           value_of("displacement field type")};
+  if (slicer.text.empty()) return own;
+  const std::string type = lower_case(slicer.text);
+  if (type != "modeling" && type != "resampling") slicer.fail("modeling or resampling");
+  const std::string direction = type == "modeling" ? "material" : "resample";
+  if (!own.empty() && own != direction) slicer.fail("what fits \"supple direction\", " + own);
+  return direction;
+}
+
+/// Geometry, axes, and the direction that is recorded.
+void read_lattice(const NrrdHeader& header, const NrrdAxes& axes, const ReadOptions& options,
+                  StreamLayout& layout) {
   VolumeHeader& volume = layout.header;
-  volume.geometry = nrrd_geometry(header, axes);
-  const std::string warning = warning_of_space(header);
-  if (!warning.empty()) volume.warnings.push_back(warning);
+  volume.geometry = nrrd_geometry(header, axes, options);
+  for (const std::string& warning : {warning_of_space(header), warning_of_units(header, axes)}) {
+    if (!warning.empty()) volume.warnings.push_back(warning);
+  }
   volume.components = axes.components;
   layout.order = axes.order;
   layout.frames = axes.frames;
   volume.are_vectors = axes.holds_vectors;
   if (!axes.holds_vectors) return;
   check_frame_of_vectors(header, axes);
-  const auto direction = header.keys.find("supple direction");
-  if (direction != header.keys.end()) volume.warp_direction = direction->second;
+  volume.warp_direction = direction_of(header);
   const auto certificate = header.keys.find("supple certificate");
   if (certificate != header.keys.end()) volume.certificate = certificate->second;
 }
 
-StreamLayout layout_of(const NrrdHeader& header, const NrrdAxes& axes) {
+StreamLayout layout_of(const NrrdHeader& header, const NrrdAxes& axes, const ReadOptions& options) {
   StreamLayout layout;
   layout.header.path = header.path;
   layout.header.format = "nrrd";
   layout.header.type = parse_type(header.field("type"));
-  read_lattice(header, axes, layout);
+  read_lattice(header, axes, options, layout);
   layout.range.compression = parse_encoding(header.field("encoding"));
   layout.big_endian = is_big_endian(header, layout.header.type, layout.range.compression);
   return layout;
@@ -158,7 +177,7 @@ std::unique_ptr<VolumeFile> open_nrrd(const std::string& path, const ReadOptions
     header.field("type").fail("numbers, not blocks");
   }
   const NrrdAxes axes = nrrd_axes(header);
-  StreamLayout layout = layout_of(header, axes);
+  StreamLayout layout = layout_of(header, axes, options);
   layout.frame = chosen_frame(options, axes.frames, path, "sizes");
   DataFiles files;
   if (header.has("data file")) {

@@ -20,8 +20,8 @@ enum class Role { lattice, component, frame, list, single, unsaid };
 
 struct AxisKind {
   Role role;
-  std::int64_t size = 0;     // that the format prescribes; 0: any
-  bool is_geometric = true;  // its numbers are lengths along axes
+  std::int64_t size = 0;            // that the format prescribes; 0: any
+  bool may_be_displacement = true;  // its numbers are lengths along axes
 };
 
 AxisKind kind_of(const HeaderField& field, const std::string& name) {
@@ -35,15 +35,15 @@ AxisKind kind_of(const HeaderField& field, const std::string& name) {
       {"list", {Role::list}},
       {"stub", {Role::single, 1}},
       {"scalar", {Role::single, 1}},
-      {"point", {Role::component}},
+      {"point", {Role::component, 0, false}},
       {"vector", {Role::component}},
-      {"covariant-vector", {Role::component}},
-      {"normal", {Role::component}},
+      {"covariant-vector", {Role::component, 0, false}},
+      {"normal", {Role::component, 0, false}},
       {"complex", {Role::component, 2, false}},
       {"2-vector", {Role::component, 2}},
       {"3-vector", {Role::component, 3}},
-      {"3-gradient", {Role::component, 3}},
-      {"3-normal", {Role::component, 3}},
+      {"3-gradient", {Role::component, 3, false}},
+      {"3-normal", {Role::component, 3, false}},
       {"4-vector", {Role::component, 4}},
       {"quaternion", {Role::component, 4, false}},
       {"3-color", {Role::component, 3, false}},
@@ -115,6 +115,12 @@ std::vector<std::vector<double>> directions_of(const NrrdHeader& header, std::si
   return vectors;
 }
 
+/// Whether 3D Slicer wrote a sequence of volumes along this axis.
+bool is_sequence(const NrrdHeader& header, std::size_t a) {
+  return header.keys.count("axis " + std::to_string(a) + " index type") > 0 ||
+         header.keys.count("axis " + std::to_string(a) + " index values") > 0;
+}
+
 /// Roles that follow from an axis' place and direction.
 Role role_of(const NrrdHeader& header, const NrrdAxes& axes, const std::vector<AxisKind>& kinds,
              std::size_t a) {
@@ -123,6 +129,7 @@ Role role_of(const NrrdHeader& header, const NrrdAxes& axes, const std::vector<A
   const Role said = kinds[a].role;
   if (said == Role::single || said == Role::frame || said == Role::component) return said;
   if (said == Role::list) {
+    if (is_sequence(header, a)) return Role::frame;
     return a == 0 && axes.sizes[a] <= most_components(header) ? Role::component : Role::frame;
   }
   const bool is_further = in_space || axes.spatial.size() >= 3;
@@ -151,7 +158,7 @@ void add_axis(const NrrdHeader& header, NrrdAxes& axes, Role role, const AxisKin
       field.fail("at most " + std::to_string(most_components(header)) + " components");
     }
     axes.components = int(size);
-    axes.holds_vectors = size == 3 && kind.is_geometric;
+    axes.holds_vectors = size == 3 && kind.may_be_displacement;
     axes.order.push_back(StoredAxis::component);
   } else {
     if (axes.frames > 1) field.fail("one axis of frames beside a volume of 2 or 3 axes");

@@ -19,18 +19,22 @@ struct NrrdAxes {
   Vec3i dims{1, 1, 1};
   int components = 1;
   std::int64_t frames = 1;
-  bool holds_vectors = false;  // three components that are neither colours nor a matrix
+  bool holds_vectors = false;  // three components that may be a displacement
 };
 
 /// Two or three axes are the lattice: those with a direction, or without directions the first that
 /// are no others. One axis may hold 2 to 16 components, as its kind says, or as the first without
 /// direction; one more is a time series: of kind time, of kind list unless it is the first and
-/// short (256 layers in a segmentation), or the last without direction. Axes of one sample and no
-/// direction are dropped. Throws InputError for everything else.
+/// short (256 layers in a segmentation) and no sequence of 3D Slicer, or the last without
+/// direction. Axes of one sample and no direction are dropped. Throws InputError for everything
+/// else.
 NrrdAxes nrrd_axes(const NrrdHeader& header);
 
 /// The lattice's index to LPS affine.
-Geometry nrrd_geometry(const NrrdHeader& header, const NrrdAxes& axes);
+Geometry nrrd_geometry(const NrrdHeader& header, const NrrdAxes& axes, const ReadOptions& options);
+
+/// One line where the lengths have a unit that is none; else empty.
+std::string warning_of_units(const NrrdHeader& header, const NrrdAxes& axes);
 
 /// One line where the space names no axes of a patient; else empty.
 std::string warning_of_space(const NrrdHeader& header);

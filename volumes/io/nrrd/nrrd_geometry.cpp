@@ -1,7 +1,10 @@
 // Place and orientation of a NRRD's lattice, see nrrd_axes.h.
+#include <algorithm>
 #include <map>
 
 #include "volumes/base/error.h"
+#include "volumes/io/format/formats.h"
+#include "volumes/io/format/length_units.h"
 #include "volumes/io/nrrd/nrrd_axes.h"
 
 namespace supple {
@@ -36,33 +39,56 @@ Space space_of(const HeaderField& field) {
   return found->second;
 }
 
-/// Factor to mm of the space's (or the axes') unit; units other than lengths count as mm.
-double mm_per_unit(const HeaderField& field, const std::vector<std::string>& units) {
-  static const std::map<std::string, double> factors = {
-      {"\"cm\"", 10.0}, {"\"m\"", 1000.0}, {"\"um\"", 0.001}, {"\"\xc2\xb5m\"", 0.001}};
-  if (units.empty()) return 1.0;
-  for (const std::string& unit : units) {
-    if (unit != units[0]) field.fail("the same unit for every axis");
+/// Units of a field, which are texts in quotes; also without them.
+std::vector<std::string> units_of(const HeaderField& field) {
+  std::vector<std::string> units;
+  const std::string& text = field.text;
+  for (std::size_t at = 0; (at = text.find_first_not_of(" \t", at)) != std::string::npos;) {
+    const bool is_quoted = text[at] == '"';
+    const std::size_t begin = at + is_quoted;
+    const std::size_t end =
+        std::min(text.find_first_of(is_quoted ? "\"" : " \t", begin), text.size());
+    units.push_back(text.substr(begin, end - begin));
+    at = std::min(end + is_quoted, text.size());
   }
-  const auto found = factors.find(units[0]);
-  return found == factors.end() ? 1.0 : found->second;
+  return units;
+}
+
+bool is_unsaid(const std::string& unit) {
+  return unit.empty() || unit == "???" || unit == "none";
+}
+
+/// Factor to mm of the space's (or the axes') unit; units other than lengths count as mm.
+double mm_of_units(const HeaderField& field, const std::vector<std::string>& units) {
+  if (units.empty()) return 1.0;
+  const double first = mm_per_unit(units[0]).value_or(1);
+  for (const std::string& unit : units) {
+    if (mm_per_unit(unit).value_or(1) != first) field.fail("the same unit for every axis");
+  }
+  return first;
+}
+
+std::vector<std::string> space_units(const NrrdHeader& header) {
+  std::vector<std::string> units = units_of(header.field("space units"));
+  if (nrrd_space_dimension(header) == 4 && units.size() == 4) units.resize(3);
+  return units;
+}
+
+/// Units of the lattice's axes, without those of components and frames.
+std::vector<std::string> axis_units(const NrrdHeader& header, const NrrdAxes& axes) {
+  const std::vector<std::string> units = units_of(header.field("units"));
+  if (units.size() != axes.sizes.size()) return units;
+  std::vector<std::string> spatial;
+  for (const std::size_t a : axes.spatial) spatial.push_back(units[a]);
+  return spatial;
 }
 
 double mm_per_space_unit(const NrrdHeader& header) {
-  const HeaderField field = header.field("space units");
-  std::vector<std::string> units = words_of(field.text);
-  if (nrrd_space_dimension(header) == 4 && units.size() == 4) units.resize(3);
-  return mm_per_unit(field, units);
+  return mm_of_units(header.field("space units"), space_units(header));
 }
 
-/// The unit of the lattice's axes, without those of components and frames.
 double mm_per_axis_unit(const NrrdHeader& header, const NrrdAxes& axes) {
-  const HeaderField field = header.field("units");
-  const std::vector<std::string> units = words_of(field.text);
-  if (units.size() != axes.sizes.size()) return mm_per_unit(field, units);
-  std::vector<std::string> spatial;
-  for (const std::size_t a : axes.spatial) spatial.push_back(units[a]);
-  return mm_per_unit(field, spatial);
+  return mm_of_units(header.field("units"), axis_units(header, axes));
 }
 
 Vec3d padded(const std::vector<double>& values) {
@@ -96,7 +122,8 @@ std::vector<double> per_axis(const HeaderField& field, std::size_t axis_count) {
   return values;
 }
 
-Geometry geometry_from_spacings(const NrrdHeader& header, const NrrdAxes& axes) {
+Geometry geometry_from_spacings(const NrrdHeader& header, const NrrdAxes& axes,
+                                const ReadOptions& options) {
   const HeaderField field = header.field("spacings");
   const std::vector<double> spacings = per_axis(field, axes.sizes.size());
   const std::vector<double> mins = per_axis(header.field("axis mins"), axes.sizes.size());
@@ -108,8 +135,9 @@ Geometry geometry_from_spacings(const NrrdHeader& header, const NrrdAxes& axes) 
   for (std::size_t n = 0; n < axes.spatial.size(); ++n) {
     const std::size_t axis = axes.spatial[n];
     if (!spacings.empty()) {
-      if (!(spacings[axis] > 0)) field.fail("positive numbers");
-      vectors[n] *= spacings[axis] * scale;
+      const double spacing = own_spacing(spacings[axis], options);
+      if (!(spacing > 0)) field.fail("positive numbers");
+      vectors[n] *= spacing * scale;
     }
     if (mins.empty()) continue;
     const bool node = axis < centers.size() && centers[axis] == "node";
@@ -119,6 +147,16 @@ Geometry geometry_from_spacings(const NrrdHeader& header, const NrrdAxes& axes) 
 }
 
 }  // namespace
+
+std::string warning_of_units(const NrrdHeader& header, const NrrdAxes& axes) {
+  const bool in_space = !axes.directions.empty();
+  for (const std::string& unit : in_space ? space_units(header) : axis_units(header, axes)) {
+    if (is_unsaid(unit) || mm_per_unit(unit)) continue;
+    return (in_space ? "space units \"" : "units \"") + printable(unit) +
+           "\" is no length that is known; voxel sizes count as mm";
+  }
+  return "";
+}
 
 std::string warning_of_space(const NrrdHeader& header) {
   if (!header.has("space")) return "";
@@ -144,8 +182,8 @@ int nrrd_space_dimension(const NrrdHeader& header) {
   return int(count);
 }
 
-Geometry nrrd_geometry(const NrrdHeader& header, const NrrdAxes& axes) {
-  return axes.directions.empty() ? geometry_from_spacings(header, axes)
+Geometry nrrd_geometry(const NrrdHeader& header, const NrrdAxes& axes, const ReadOptions& options) {
+  return axes.directions.empty() ? geometry_from_spacings(header, axes, options)
                                  : geometry_in_space(header, axes);
 }
 

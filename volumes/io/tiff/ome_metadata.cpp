@@ -9,6 +9,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/io/bytes/text_header.h"
+#include "volumes/io/format/length_units.h"
 #include "volumes/io/tiff/tiff_metadata.h"
 
 namespace supple {

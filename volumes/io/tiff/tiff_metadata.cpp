@@ -8,6 +8,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/io/bytes/text_header.h"
+#include "volumes/io/format/length_units.h"
 
 namespace supple {
 
@@ -148,12 +149,44 @@ void read_spacing(const TiffPages& pages, const Keys& keys, TiffLayout& layout) 
                            : resolution.unit == 2 && !is_default && resolution.x > 0 ? "inch"
                            : resolution.unit == 3 && resolution.x > 0                ? "cm"
                                                                                      : "";
-  const std::optional<double> factor = mm_per_unit(unit);
-  if (!factor && (spacing.x != 1 || spacing.y != 1 || spacing.z != 1)) {
-    layout.warnings.push_back("unit \"" + printable(unit) +
+  layout.spacing_mm = spacing;
+  // "yunit" and "zunit" stand there where they differ from "unit", which is that of x.
+  const char* const names[] = {"unit", "yunit", "zunit"};
+  std::string unknown;
+  for (int a = 0; a < 3; ++a) {
+    const auto own = keys.find(names[a]);
+    const std::string& of_axis = own != keys.end() ? own->second : unit;
+    const std::optional<double> factor = mm_per_unit(of_axis);
+    if (!factor && spacing != Vec3d(1, 1, 1)) unknown = of_axis.empty() ? " " : of_axis;
+    layout.spacing_mm[a] *= factor.value_or(1);
+  }
+  if (!unknown.empty()) {
+    layout.warnings.push_back("unit \"" + printable(trimmed(unknown)) +
                               "\" of ImageDescription is no length; voxel sizes count as mm");
   }
-  layout.spacing_mm = spacing * factor.value_or(1);
+}
+
+/// Densities by a straight line c0 + c1 x of the stored values, as ImageJ keeps signed values and
+/// Hounsfield units in unsigned ones. Other functions are told and not applied.
+void read_calibration(const TiffPages& pages, const Keys& keys, TiffLayout& layout) {
+  const auto function = keys.find("cf");
+  if (function == keys.end()) return;
+  const std::string& path = pages.file().path();
+  const auto number = [&](const char* name, double fallback) {
+    const auto found = keys.find(name);
+    if (found == keys.end()) return fallback;
+    return HeaderField{path, std::string("ImageDescription, ") + name, found->second}.number();
+  };
+  const std::int64_t code = HeaderField{path, "ImageDescription, cf", function->second}.integer();
+  constexpr std::int64_t kStraightLine = 0, kNone = 20;
+  if (code == kNone) return;
+  if (code != kStraightLine) {
+    layout.warnings.push_back("calibration function " + std::to_string(code) +
+                              " of ImageJ is not applied: values are those that are stored");
+    return;
+  }
+  layout.intercept = number("c0", 0);
+  layout.slope = number("c1", 1);
 }
 
 void read_affine(const TiffPages& pages, const Keys& keys, TiffLayout& layout) {
@@ -179,20 +212,6 @@ std::int64_t TiffLayout::page_of(std::int64_t slice, std::int64_t channel,
   return pages.empty() ? n : std::int64_t(pages[std::size_t(n)]);
 }
 
-std::optional<double> mm_per_unit(const std::string& unit) {
-  static const std::map<std::string, double> factors = {
-      {"mm", 1},           {"millimeter", 1},   {"millimetre", 1},    {"millimeters", 1},
-      {"millimetres", 1},  {"cm", 10},          {"centimeter", 10},   {"centimetre", 10},
-      {"m", 1000},         {"meter", 1000},     {"metre", 1000},      {"um", 1e-3},
-      {"\xc2\xb5m", 1e-3}, {"\xce\xbcm", 1e-3}, {"\xb5m", 1e-3},      {"\\u00B5m", 1e-3},
-      {"micron", 1e-3},    {"microns", 1e-3},   {"micrometer", 1e-3}, {"micrometre", 1e-3},
-      {"nm", 1e-6},        {"nanometer", 1e-6}, {"nanometre", 1e-6},  {"in", 25.4},
-      {"inch", 25.4},      {"inches", 25.4}};
-  const auto found = factors.find(unit);
-  if (found == factors.end()) return {};
-  return found->second;
-}
-
 TiffLayout imagej_layout(const TiffPages& pages) {
   const std::string& path = pages.file().path();
   const Keys keys = keys_of(pages.description());
@@ -205,6 +224,7 @@ TiffLayout imagej_layout(const TiffPages& pages) {
   if (layout.is_run) check_run(pages, layout);
   set_order(path, keys, layout);
   read_spacing(pages, keys, layout);
+  read_calibration(pages, keys, layout);
   read_affine(pages, keys, layout);
   return layout;
 }

@@ -25,6 +25,7 @@ struct TiffLayout {
   bool is_run = false;              // the values follow those of the only page, without directories
   bool palette_is_display = false;  // a colour map changes the picture, not the values
   Vec3d spacing_mm{1, 1, 1};
+  double slope = 1, intercept = 0;  // of a calibration
   /// Index to LPS in mm, the columns i, j, k and the origin, as supple's own writer notes it.
   std::optional<std::vector<double>> affine;
   std::vector<std::string> warnings;
@@ -43,8 +44,5 @@ TiffLayout plain_layout(const TiffPages& pages);
 
 /// The key of the affine in ImageDescription; other programs pass over it.
 constexpr const char* kTiffAffineKey = "supple_index_to_lps_mm";
-
-/// Factor from a unit of length to mm; nothing for units that microscopes and scanners do not use.
-std::optional<double> mm_per_unit(const std::string& unit);
 
 }  // namespace supple

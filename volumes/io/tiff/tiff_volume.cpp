@@ -34,6 +34,11 @@ class TiffVolume : public VolumeFile {
     m_frame = chosen_frame(options, m_layout.frames, path, "frames");
     if (m_layout.is_run) m_swap = is_big_endian_tiff(m_pages.file());
     parse_photometric();
+    m_header.intercept = m_layout.slope * m_header.intercept + m_layout.intercept;
+    m_header.slope *= m_layout.slope;
+    // Samples of a pixel are colours; so are bytes (open_volume).
+    constexpr int kRgb = 2;
+    m_header.are_vectors = page.photometric < kRgb;
   }
 
   void read_slice(void* out) override {

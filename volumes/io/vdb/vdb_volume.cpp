@@ -74,14 +74,20 @@ bool is_readable(const openvdb::GridBase& grid) {
 
 openvdb::GridBase::Ptr choose_grid(const openvdb::GridPtrVec& grids, const std::string& path) {
   openvdb::GridBase::Ptr only, density;
-  int count = 0;
+  int count = 0, densities = 0;
   for (const openvdb::GridBase::Ptr& grid : grids) {
     if (!is_readable(*grid)) continue;
     only = grid;
     ++count;
-    if (grid->getName() == "density") density = grid;
+    if (grid->getName() != "density") continue;
+    density = grid;
+    ++densities;
   }
   if (count == 1) return only;
+  if (densities > 1) {
+    throw InputError(
+        {path, "grids", names_of(grids) + ": two grids called density", "one of them"});
+  }
   if (density != nullptr) return density;
   throw InputError({path, "grids", names_of(grids), "one grid of floats, or one called density"});
 }

@@ -62,7 +62,8 @@ class ArrayBytes {
     return bytes;
   }
 
-  /// A header and what follows in the same group of base64: `more(header)` says how much.
+  /// A header and what follows in the same group of base64, or in one of its own: `more(header)`
+  /// says how much.
   template <class More>
   std::string header_and(std::uint64_t header, const More& more) {
     if (!m_is_base64) {
@@ -72,6 +73,10 @@ class ArrayBytes {
     const std::string_view begin = m_rest;
     const std::string first = group(header);
     const std::uint64_t size = more(first);
+    // A group that ends with the header holds it alone.
+    const std::string_view letters = begin.substr(0, begin.size() - m_rest.size());
+    const std::size_t padding = letters.size() - letters.find_last_not_of('=') - 1;
+    if (padding > 0 && padding == (3 - header % 3) % 3) return group(size);
     m_rest = begin;
     return group(header + size).substr(std::size_t(header));
   }

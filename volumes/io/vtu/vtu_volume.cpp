@@ -31,6 +31,7 @@ class SolidVectors : public VolumeFile {
     m_header.warp_direction = "resample";
     m_header.geometry = grid;
     place_tetrahedra();
+    warn_of_turned();
   }
 
   void read_slice(void* out) override {
@@ -46,6 +47,32 @@ class SolidVectors : public VolumeFile {
   }
 
  private:
+  /// Six times the volume of a tetrahedron, with a sign, by a place of each point.
+  template <class Place>
+  static double volume_of(const std::array<int, 4>& points, const Place& place) {
+    const Vec3d origin = place(points[0]);
+    return (place(points[1]) - origin)
+        .dot((place(points[2]) - origin).cross(place(points[3]) - origin));
+  }
+
+  /// Motion that turns a cell inside out is no deformation: a simulation has failed there.
+  void warn_of_turned() {
+    const auto rest = [&](int n) { return m_solid.points_lps_mm[std::size_t(n)]; };
+    const auto moved = [&](int n) { return rest(n) + m_solid.moved_mm[std::size_t(n)]; };
+    std::size_t turned = 0;
+    Vec3d first(0);
+    for (const std::array<int, 4>& points : m_solid.tetrahedra) {
+      if (volume_of(points, rest) * volume_of(points, moved) >= 0) continue;
+      if (turned++ == 0) first = moved(points[0]);
+    }
+    if (turned == 0) return;
+    m_header.warnings.push_back(
+        std::to_string(turned) + " of " + std::to_string(m_solid.tetrahedra.size()) +
+        " tetrahedra are turned inside out by their motion, the first near LPS " +
+        number_text(first.x) + ", " + number_text(first.y) + ", " + number_text(first.z) +
+        " mm: the warp folds there");
+  }
+
   void place_tetrahedra() {
     const Geometry& grid = m_header.geometry;
     m_of_slice.resize(std::size_t(grid.dims().z));

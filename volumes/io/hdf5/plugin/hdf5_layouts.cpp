@@ -5,6 +5,7 @@
 #include "volumes/base/error.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/format/formats.h"
+#include "volumes/io/format/length_units.h"
 
 namespace supple::hdf5 {
 
@@ -12,34 +13,14 @@ namespace {
 
 const char* const kNoSpacing = "no voxel sizes in the file: 1 mm is taken (spacing)";
 
-/// Millimetres of a unit of length, 0 for what is none.
-double mm_per_unit(const std::string& text) {
-  const std::string unit = lower_case(trimmed(text));
-  for (const char* name : {"mm", "millimeter", "millimeters", "millimetre", "millimetres"}) {
-    if (unit == name) return 1;
-  }
-  for (const char* name : {"um", "\xc2\xb5m", "\xce\xbcm", "micron", "microns", "micrometer",
-                           "micrometers", "micrometre", "micrometres"}) {
-    if (unit == name) return 1e-3;
-  }
-  for (const char* name : {"nm", "nanometer", "nanometers", "nanometre", "nanometres"}) {
-    if (unit == name) return 1e-6;
-  }
-  if (unit == "cm") return 10;
-  for (const char* name : {"m", "meter", "meters", "metre", "metres"}) {
-    if (unit == name) return 1000;
-  }
-  return 0;
-}
-
 /// The unit that `units` or `unit` of an object names; 0 without one.
 double unit_of(const Hdf5File& file, const std::string& object) {
   for (const char* name : {"units", "unit"}) {
     const std::optional<std::string> text = file.attribute_text(object, name);
     if (!text) continue;
-    const double mm = mm_per_unit(*text);
-    if (mm == 0) file.fail(object + " " + name, printable(*text), "nm, um, mm, cm or m");
-    return mm;
+    const std::optional<double> mm = mm_per_unit(*text);
+    if (!mm) file.fail(object + " " + name, printable(*text), "nm, um, mm, cm or m");
+    return *mm;
   }
   return 0;
 }
