@@ -50,11 +50,29 @@ std::vector<Handle> Session::handles_of(const StepRequest& request,
   return handles;
 }
 
+namespace {
+
+bool holds_density(const BrickTopology& elements, const DensityGrid& density,
+                   const NumberPair& range) {
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    bool is_found = false;
+    for_each_active(elements.mask(b), [&](int offset) {
+      const double value = density.at(elements.origin(b) + brick_local(offset));
+      is_found = is_found || (value >= range.first && value <= range.second);
+    });
+    if (is_found) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 /// From here on m_state.cuts are the cuts without the links that pieces hide.
 void Session::take_pieces_of_state(const std::string& path, Progress* progress) {
   m_body.rigid = pieces_of(m_state.piece_texts, m_state.pieces, m_body.elements, path);
   if (!m_body.rigid.empty()) m_body.cuts = cuts_with_pieces(m_body, m_state.cuts);
-  if (m_body.rigid.empty() && m_material.rigid) {
+  if (m_body.rigid.empty() && m_material.rigid &&
+      holds_density(m_body.elements, m_state.density, *m_material.rigid)) {
     RigidRequest request;
     request.density = m_material.rigid;
     m_state.cuts = m_body.cuts;

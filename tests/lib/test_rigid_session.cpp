@@ -494,6 +494,15 @@ TEST_F(UnitPieces, ARetractionWithoutTissueOnASideIsRefused) {
       << error;
 }
 
+TEST_F(UnitPieces, AMaterialMayMakeRigidWhatABodyDoesNotHave) {
+  m_options.material.rigid = std::pair<double, double>(250, 255);
+  Session session(m_folder / "bars.nhdr", m_options);
+  StepRequest request;
+  request.rigid.density = NumberPair(250, 255);  // what a step names must be there
+  EXPECT_NE(input_error([&] { session.step(request); }).find("found no element"),
+            std::string::npos);
+}
+
 TEST(UnitTissuePresets, StandForKeysThatAreNotGiven) {
   const MaterialTable head = read_material("ct-head");
   EXPECT_EQ(head.links, 26);
