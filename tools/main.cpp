@@ -82,9 +82,21 @@ void warn_of_former_options(const CLI::App& app, Console& console) {
   }
 }
 
+/// A choice among what a file holds, by its option: "frame 0 to 2" is --frame 0 to 2.
+Problem with_choice_named(Problem problem, const CLI::App& app) {
+  for (const char* const name : {"frame", "channel"}) {
+    const std::string option = std::string("--") + name;
+    if (app.get_option_no_throw(option) == nullptr) continue;
+    if (problem.field == name) problem.field = option;
+    const std::size_t at = problem.expected.find(std::string(name) + " 0");
+    if (at != std::string::npos) problem.expected.insert(at, "--");
+  }
+  return problem;
+}
+
 /// The problem with the option of the command in place of the field that it sets.
 std::string named_by_option(const Problem& problem, const CLI::App& app) {
-  if (!problem.file.empty()) return to_line(problem);
+  if (!problem.file.empty()) return to_line(with_choice_named(problem, app));
   std::string name = "--" + problem.field;
   std::replace(name.begin(), name.end(), '_', '-');
   for (const std::string& option : {name, "--no-" + name.substr(2)}) {

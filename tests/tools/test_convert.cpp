@@ -269,7 +269,9 @@ TEST_F(FaultConvert, FiltersNameWhatTheyCannotDo) {
   expect({"crop", ball, "--box", "0,0,0:8,1,1", "-o", out}, 3, "expected a box within 0,0,0:7,7,7");
   expect({"smooth", ball, "--sigma", "-1", "-o", out}, 3, "--sigma: found -1");
   expect({"threshold", ball, "--keep", "1,2", "-o", m_folder / "z.txt"}, 3, "z.txt");
-  expect({"resample", ball, "-o", out}, 2, "expected a state, or --spacing");
+  expect({"resample", ball, "-o", out}, 2, "expected --spacing or --grid, or a state");
   expect({"resample", ball, "--spacing", "1,1,1", "--margin", "2", "-o", out}, 2,
-         "--margin for a volume");
+         "--spacing beside --grid or --margin");
+  expect({"resample", ball, "--margin", "2", "--interpolation", "cubic", "-o", out}, 3,
+         "interpolation: found cubic on another grid");
 }

@@ -20,6 +20,7 @@ LabelReport write(const std::string& path, const StoredLabels& labels, const Geo
   DenseImage image;
   image.geometry = grid;
   image.type = labels.type();
+  image.label_names = labels.names();
   const auto writer = create_dense(path, image);
   LabelReport result{grid, labels.counts(), {}};
   const Vec3i& dims = grid.dims();

@@ -3,6 +3,7 @@
 #include "tools/console/field_options.h"
 #include "tools/outputs/converted.h"
 #include "tools/outputs/output_plan.h"
+#include "volumes/io/format/data_files.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
 
@@ -16,17 +17,49 @@ struct ConvertOptions {
   WriteOptions write;
 };
 
-int run_convert(const ConvertOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan plan(global);
-  plan.protect(options.input, options.read);
-  plan.add_dense(options.output);
-  console.claim(plan.files());
-  const VolumeOpener open = [&] {
+VolumeOpener opener_of(const ConvertOptions& options) {
+  return [options] {
     auto file = open_scalars_or_vectors(options.input, options.read);
     if (file->header().components != 3) require_scalars(file->header());
     return file;
   };
-  write_converted(open, options.output, options.write, console);
+}
+
+/// Whether a name has a place for a number, %d or %02d.
+bool has_number(const std::string& name) {
+  const std::size_t percent = name.find('%');
+  if (percent == std::string::npos) return false;
+  const std::size_t letter = name.find_first_not_of("0123456789", percent + 1);
+  return letter != std::string::npos && name[letter] == 'd';
+}
+
+/// One output per frame where the name of the output has a place for its number.
+std::vector<ConvertOptions> frames_of(const ConvertOptions& options) {
+  std::vector<ConvertOptions> each;
+  if (options.read.frame || !has_number(options.output)) return {options};
+  std::int64_t frames = 1;
+  ReadOptions read = options.read;
+  read.frames_found = &frames;
+  open_scalars_or_vectors(options.input, read);
+  const NumberedFiles names({options.output, "output", options.output}, options.output, 0,
+                            frames - 1, 1);
+  for (int frame = 0; frame < frames; ++frame) {
+    each.push_back(options);
+    each.back().output = names.name(frame);
+    if (frames > 1) each.back().read.frame = frame;
+  }
+  return each;
+}
+
+int run_convert(const ConvertOptions& options, const GlobalOptions& global, Console& console) {
+  const std::vector<ConvertOptions> each = frames_of(options);
+  OutputPlan plan(global);
+  plan.protect(options.input, options.read);
+  for (const ConvertOptions& one : each) plan.add_dense(one.output);
+  console.claim(plan.files());
+  for (const ConvertOptions& one : each) {
+    write_converted(opener_of(one), one.output, one.write, console);
+  }
   return kOk;
 }
 
@@ -37,11 +70,14 @@ Command add_convert(CLI::App& program) {
   CLI::App* app = add_subcommand(program, "convert", "Write a volume or warp in another format",
                                  "  supple convert scan.nii.gz scan.nrrd\n"
                                  "  supple convert dicom_folder head.vdb\n"
+                                 "  supple convert heart_ct phase_%02d.nrrd\n"
                                  "  supple convert 1Warp.nii.gz warp.h5");
   app->add_option("input", options->input, "A volume, a folder of slices, or a warp")
       ->required()
       ->option_text("IN");
-  app->add_option("output", options->output, "File to write; its extension chooses the format")
+  app->add_option(
+         "output", options->output,
+         "File to write; its extension chooses the format; with %d or %02d one file per frame")
       ->required()
       ->option_text("OUT");
   add_field_options(*app, fields(options->read));

@@ -1,12 +1,12 @@
 // supple resample: the deformed volume on a grid, for those who do want it resampled; or a volume
-// with other voxel sizes.
+// with other voxel sizes or on another grid.
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/outputs/converted.h"
 #include "tools/outputs/output_plan.h"
 #include "tools/outputs/reports.h"
 #include "tools/scene/offset_functions.h"
-#include "volumes/io/filter/filters.h"
+#include "volumes/io/filter/on_grid.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/state/state_outputs.h"
 
@@ -33,20 +33,26 @@ Fields voxel_fields(ResampleOptions& options) {
 }
 
 int resample_volume(const ResampleOptions& options, const GlobalOptions& global, Console& console) {
-  if (!options.spacing_mm) {
+  const bool has_grid = !options.grid.file.empty() || options.grid.margin_mm > 0;
+  if (has_grid == options.spacing_mm.has_value()) {
     open_volume(options.input, options.read);  // what cannot be read is named first
-    throw UsageError("resample: found a volume without --spacing, expected a state, or --spacing");
+    throw UsageError(has_grid ? "resample: found --spacing beside --grid or --margin, expected one"
+                              : "resample: found a volume alone, expected --spacing or --grid, or "
+                                "a state");
   }
-  if (!options.path.empty() || !options.grid.file.empty() || options.grid.margin_mm > 0) {
-    throw UsageError("resample: found --path, --grid or --margin for a volume, expected a state");
+  if (!options.path.empty()) {
+    throw UsageError("resample: found --path for a volume, expected a state");
   }
   OutputPlan plan(global);
   plan.protect(options.input, options.read);
+  if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);
   console.claim(plan.files());
   const auto open = [&] {
-    return with_spacing(open_volume(options.input, options.read), *options.spacing_mm,
-                        options.interpolation);
+    auto file = open_volume(options.input, options.read);
+    if (!has_grid) return with_spacing(std::move(file), *options.spacing_mm, options.interpolation);
+    const Geometry grid = choose_grid(file->header().geometry, options.grid);
+    return on_grid(std::move(file), grid, options.interpolation, &console);
   };
   write_converted(open, options.output, options.write, console);
   return kOk;
@@ -84,12 +90,13 @@ int run_resample(const ResampleOptions& options, const GlobalOptions& global, Co
 
 Command add_resample(CLI::App& program) {
   auto options = std::make_shared<ResampleOptions>();
-  CLI::App* app = add_subcommand(
-      program, "resample",
-      "Write the deformed volume on a regular grid, or any volume with other voxel sizes",
-      "  supple resample drag.vdb -o deformed.nrrd\n"
-      "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
-      "  supple resample head.nii.gz --spacing 1,1,1 -o cubes.nrrd");
+  CLI::App* app =
+      add_subcommand(program, "resample",
+                     "Write the deformed volume on a regular grid, or any volume on another grid",
+                     "  supple resample drag.vdb -o deformed.nrrd\n"
+                     "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
+                     "  supple resample head.nii.gz --spacing 1,1,1 -o cubes.nrrd\n"
+                     "  supple resample mr.nii.gz --grid ct.nhdr -o mr_on_ct.nrrd");
   app->add_option("input", options->input, "A state file or a volume")
       ->required()
       ->option_text("IN");

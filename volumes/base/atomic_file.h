@@ -8,9 +8,13 @@ namespace supple {
 /// SystemError for a failed write of `path`, or InputError where its folder is missing.
 [[noreturn]] void throw_write_error(const std::string& path, int errno_value);
 
-/// Throws InputError unless `path` can name an output: not a directory, device, pipe or socket, and
-/// its folder exists.
+/// Throws InputError unless `path` can name an output: not a directory, device, pipe or socket, of
+/// at most 255 bytes, and its folder exists.
 void check_output_place(const std::string& path);
+
+/// The part of a temporary name that tells which file it is of: the file's own name, or where that
+/// leaves no room in a name of 255 bytes, a number made of it and its extension.
+std::string temporary_part(const std::string& file_name);
 
 /// Where a file is written before it has its final name.
 std::string temporary_name(const std::string& final_path);
@@ -29,7 +33,8 @@ class AtomicFile {
   const std::string& path() const { return m_temporary_path; }
   const std::string& final_path() const { return m_final_path; }
 
-  /// Flushes to disk (fsync) and renames to the final name. Throws SystemError.
+  /// Flushes to disk (fsync) and renames to the final name; a file that is replaced hands on its
+  /// mode bits. Throws SystemError.
   void commit();
 
  private:

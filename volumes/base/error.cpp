@@ -29,6 +29,9 @@ std::string number_text(double value) {
 }
 
 void throw_open_error(const std::string& file, int errno_value) {
+  if (file == "-" && errno_value == ENOENT) {
+    throw InputError({file, "", "a pipe", "the name of a file: pipes are not read"});
+  }
   switch (errno_value) {
     case ENOENT:
     case ENOTDIR:

@@ -137,7 +137,7 @@ std::vector<Remains> ReservedNames::add(const std::string& final_path) {
     throw_write_error(final_path, reason);
   }
   auto& leftovers = m_folders[path].leftovers;
-  const auto [first, last] = leftovers.equal_range(name);
+  const auto [first, last] = leftovers.equal_range(temporary_part(name));
   std::error_code ignored;
   for (auto left = first; left != last; ++left) fs::remove(left->second, ignored);
   leftovers.erase(first, last);

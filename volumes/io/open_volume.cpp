@@ -43,6 +43,14 @@ bool is_hdf5(const std::string& head) {
   return starts_with(head, "\x89HDF\r\n\x1a\n");
 }
 
+/// ITK's transforms in MATLAB's format 4, as ANTs writes them: the name of a matrix at byte 20.
+bool is_binary_transform(const std::string& head) {
+  constexpr std::size_t kNameAt = 20, kLongestName = 64;
+  if (head.size() < kNameAt || head.find('\0') >= kNameAt) return false;
+  const std::string name = head.substr(kNameAt, kLongestName);
+  return name.find("Transform") != std::string::npos && name.find("_3_3") != std::string::npos;
+}
+
 std::string extension_of(const std::string& path) {
   const std::filesystem::path file(path);
   const std::string last = lower_case(file.extension().string());
@@ -91,6 +99,10 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   const TransformKind transform = transform_kind(head);
   if (transform != TransformKind::none) return open_transform(path, transform, options.grid);
   if (is_vtu(head)) return open_vtu(path, options.grid);
+  if (is_binary_transform(head)) {
+    throw InputError({path, "format", "a transform in ITK's binary .mat",
+                      "its text: ConvertTransformFile 3 NAME.mat NAME.tfm (of ANTs) makes it"});
+  }
 
   const std::string extension = extension_of(path);
   if (extension == ".nrrd" || extension == ".nhdr") return open_nrrd(path, options);

@@ -23,6 +23,7 @@ struct DenseImage {
   int components = 1;       // 1: scalars; 3: vectors in mm LPS, float32
   std::string direction;    // of vectors: "resample" or "material"
   std::string certificate;  // of an inversion, one line of JSON; empty: none
+  LabelNames label_names;   // of a segmentation; NRRD keeps them as 3D Slicer does
 };
 
 /// Choices that a format may offer.

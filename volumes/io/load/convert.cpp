@@ -56,6 +56,7 @@ DenseImage image_of(const VolumeHeader& input, const ConvertPlan& plan) {
   image.slope = plan.slope;
   image.intercept = plan.intercept;
   image.components = input.components;
+  image.label_names = input.label_names;
   if (input.components > 1) {
     image.direction = input.warp_direction.empty() ? "resample" : input.warp_direction;
     image.certificate = input.certificate;

@@ -28,6 +28,7 @@ class StoredLabels {
   const Geometry& geometry() const { return m_header.geometry; }
   ValueType type() const { return m_header.type; }
   int bytes_per_voxel() const { return m_bytes; }
+  const LabelNames& names() const { return m_header.label_names; }
   const LabelCounts& counts() const { return m_counts; }
 
   /// Copies the stored value of the voxel nearest to a place; 0 beyond the outer voxel faces. Half

@@ -17,6 +17,23 @@ std::string tuple(const Vec3d& v) {
   return "(" + exact_text(v.x) + "," + exact_text(v.y) + "," + exact_text(v.z) + ")";
 }
 
+/// Names of labels as in a segmentation of 3D Slicer (nrrd_segments.h).
+std::string segments_of(const DenseImage& image) {
+  const Vec3i& dims = image.geometry.dims();
+  const std::string extent = "0 " + std::to_string(dims.x - 1) + " 0 " +
+                             std::to_string(dims.y - 1) + " 0 " + std::to_string(dims.z - 1);
+  std::string text;
+  for (std::size_t n = 0; n < image.label_names.size(); ++n) {
+    const auto& [label, name] = image.label_names[n];
+    const std::string key = "Segment" + std::to_string(n) + "_";
+    text += key + "ID:=Segment_" + std::to_string(n + 1) + "\n" + key + "Name:=" + name + "\n" +
+            key + "LabelValue:=" + std::to_string(label) + "\n" + key + "Layer:=0\n" + key +
+            "Extent:=" + extent + "\n";
+  }
+  if (text.empty()) return text;
+  return text + "Segmentation_MasterRepresentation:=Binary labelmap\n";
+}
+
 std::string header_of(const DenseImage& image, const std::string& data_file, bool compress) {
   const bool is_vector = image.components > 1;
   const Vec3i& dims = image.geometry.dims();
@@ -38,7 +55,12 @@ std::string header_of(const DenseImage& image, const std::string& data_file, boo
   text += "space units: \"mm\" \"mm\" \"mm\"\n";
   if (is_vector) {
     text += "supple direction:=" + image.direction + "\nsupple vectors:=mm LPS\n";
+    // As 3D Slicer says it, from 5.9 on.
+    const bool moves_points = image.direction == "material";
+    text += std::string("displacement field type:=") + (moves_points ? "modeling" : "resampling") +
+            "\n";
   }
+  text += segments_of(image);
   if (!image.certificate.empty()) text += "supple certificate:=" + image.certificate + "\n";
   if (data_file.empty()) return text + "\n";
   return text + "data file: " + data_file + "\n";

@@ -1,0 +1,114 @@
+#include "volumes/io/filter/on_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <tbb/parallel_for.h>
+
+#include "volumes/base/error.h"
+
+namespace supple {
+
+namespace {
+
+class GridVolume : public VolumeFile {
+ public:
+  GridVolume(VolumeFile& file, const Geometry& grid, bool is_nearest, Progress* progress)
+      : m_source(file.header().geometry), m_is_nearest(is_nearest) {
+    m_header = file.header();
+    m_header.geometry = grid;
+    load(file, progress);
+  }
+
+  void read_slice(void* out) override {
+    const Vec3i& dims = m_header.geometry.dims();
+    const int k = m_next++;
+    std::vector<double> values(std::size_t(dims.x) * std::size_t(dims.y));
+    tbb::parallel_for(0, dims.y, [&](int j) {
+      for (int i = 0; i < dims.x; ++i) {
+        const Vec3d place = m_header.geometry.world_from_index(Vec3d(i, j, k));
+        values[std::size_t(j) * std::size_t(dims.x) + std::size_t(i)] =
+            value_at(m_source.index_from_world(place));
+      }
+    });
+    store_values(m_header.type, values.data(), values.size(), static_cast<char*>(out));
+  }
+
+ private:
+  void load(VolumeFile& file, Progress* progress) {
+    const Vec3i& dims = m_source.dims();
+    const std::size_t slice = std::size_t(dims.x) * std::size_t(dims.y);
+    std::vector<char> stored(slice * std::size_t(bytes_of(m_header.type)));
+    m_values.resize(slice * std::size_t(dims.z));
+    for (int k = 0; k < dims.z; ++k) {
+      file.read_slice(stored.data());
+      scale_values_of(m_header.type)(stored.data(), slice, 1, 0, &m_values[slice * std::size_t(k)]);
+      report(progress, double(k + 1) / dims.z);
+    }
+    // Of the densities: a negative slope turns the order of stored values.
+    m_outside = std::numeric_limits<double>::infinity();
+    for (const double value : m_values) {
+      if (std::isfinite(value)) m_outside = std::min(m_outside, m_header.slope * value);
+    }
+    m_outside = std::isfinite(m_outside) ? m_outside / m_header.slope : 0;
+  }
+
+  double stored_at(const Vec3i& voxel) const {
+    const Vec3i& dims = m_source.dims();
+    return m_values[(std::size_t(voxel.z) * std::size_t(dims.y) + std::size_t(voxel.y)) *
+                        std::size_t(dims.x) +
+                    std::size_t(voxel.x)];
+  }
+
+  double value_at(Vec3d index) const {
+    constexpr double kOnFace = 1e-9;
+    Vec3i low, high;
+    Vec3d part;
+    for (int a = 0; a < 3; ++a) {
+      const double last = m_source.dims()[a] - 1;
+      if (!(index[a] >= -0.5 - kOnFace && index[a] <= last + 0.5 + kOnFace)) return m_outside;
+      index[a] = std::clamp(index[a], 0.0, last);
+      low[a] = int(m_is_nearest ? std::ceil(index[a] - 0.5) : std::floor(index[a]));
+      high[a] = std::min(low[a] + 1, int(last));
+      part[a] = index[a] - low[a];
+    }
+    if (m_is_nearest) return stored_at(low);
+    double sum = 0, known = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3i voxel;
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) {
+        const bool is_high = (corner >> a & 1) != 0;
+        voxel[a] = is_high ? high[a] : low[a];
+        weight *= is_high ? part[a] : 1 - part[a];
+      }
+      const double value = weight > 0 ? stored_at(voxel) : 0;
+      if (weight == 0 || !std::isfinite(value)) continue;
+      sum += weight * value;
+      known += weight;
+    }
+    return known >= 0.5 ? sum / known : std::numeric_limits<double>::quiet_NaN();
+  }
+
+  Geometry m_source;
+  bool m_is_nearest;
+  std::vector<double> m_values;  // as they are stored
+  double m_outside = 0;
+  int m_next = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<VolumeFile> on_grid(std::unique_ptr<VolumeFile> file, const Geometry& grid,
+                                    ResampleKernel interpolation, Progress* progress) {
+  if (interpolation == ResampleKernel::cubic) {
+    throw InputError(
+        {file->header().path, "interpolation", "cubic on another grid", "linear or nearest"});
+  }
+  return std::make_unique<GridVolume>(*file, grid, interpolation == ResampleKernel::nearest,
+                                      progress);
+}
+
+}  // namespace supple
