@@ -235,8 +235,9 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Prog
                       "every piece held so that it cannot move as a rigid body"});
   }
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
-  if (start_mm != nullptr && params.strain == StrainTheory::linear) {
-    begin_from(*start_mm, nodal);
+  if (params.strain == StrainTheory::linear) {
+    nodal.within_held_mn = forces_within_held(mesh(), material(), nodal);
+    if (start_mm != nullptr) begin_from(*start_mm, nodal);
   }
   report.setup_ms = milliseconds_since(start);
   if (params.solver != EquationSolver::multigrid) {

@@ -194,6 +194,35 @@ NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, con
   return out;
 }
 
+std::vector<double> forces_within_held(const HexMesh& voxels, const VoxelMaterial& material,
+                                       const NodalLoads& loads) {
+  std::vector<double> forces;
+  for (std::size_t block = 0; block < voxels.block_count(); ++block) {
+    for (std::int32_t e = voxels.element_begin[block]; e < voxels.element_begin[block + 1]; ++e) {
+      const Corners corners = voxels.corners_in(block, e);
+      if (held_corners(corners, loads.held) != kAllCornersHeld) continue;
+      Vector24 u;
+      bool is_shifted = true;
+      for (std::size_t n = 0; n < 24; ++n) {
+        u[n] = loads.u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
+        is_shifted = is_shifted && u[n] == u[n % 3];
+      }
+      if (is_shifted) continue;
+      if (forces.empty()) forces.assign(loads.u_mm.size(), 0.0);
+      const std::uint8_t of_class = material.classes[std::size_t(e)];
+      const double shear = material.moduli.shear[of_class], bulk = material.moduli.bulk[of_class];
+      for (std::size_t row = 0; row < 24; ++row) {
+        double& force = forces[3 * std::size_t(corners[row / 3]) + row % 3];
+        for (std::size_t n = 0; n < 24; ++n) {
+          force +=
+              (shear * material.matrix.shear[row][n] + bulk * material.matrix.bulk[row][n]) * u[n];
+        }
+      }
+    }
+  }
+  return forces;
+}
+
 LoadPath::LoadPath(const HexMesh& voxels, const NodalLoads& loads) : m_loads(&loads) {
   for (const std::vector<NodeIndex>& nodes : loads.nodes_of) {
     Grip grip{&nodes, {}, {}, true, {}};

@@ -73,11 +73,19 @@ struct NodalLoads {
   std::vector<double> force_mn;                  // empty where no force acts
   std::vector<double> swelling_kpa;              // per element; linear theory has forces for it
   std::vector<std::vector<NodeIndex>> nodes_of;  // per HeldElements: the nodes that it holds
+  /// Forces on nodes by elements that are held as a whole, three per node; empty where these have
+  /// none. No unknown changes them, and they may be far above all that is solved for: bone beside a
+  /// lip that is led away.
+  std::vector<double> within_held_mn;
 };
 
 /// Throws InputError: an element that the mesh does not have, a value that is not finite.
 NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, const FemLoads& loads,
                        StrainTheory strain = StrainTheory::linear);
+
+/// NodalLoads::within_held_mn in linear theory.
+std::vector<double> forces_within_held(const HexMesh& voxels, const VoxelMaterial& material,
+                                       const NodalLoads& loads);
 
 /// How loads grow from nothing to the whole, for problems that are solved in steps: forces in
 /// proportion; what is held goes along its rigid motion, so that a turn stays one on the way.

@@ -15,14 +15,15 @@ struct NodeNorms {
   Vec3d free_sum{0, 0, 0};
 };
 
-NodeNorms norms_of_range(const double* r, const std::uint8_t* held, std::size_t begin,
-                         std::size_t end) {
+NodeNorms norms_of_range(const double* r, const double* within, const std::uint8_t* held,
+                         std::size_t begin, std::size_t end) {
   NodeNorms norms;
   for (std::size_t n = begin / 3; n < end / 3; ++n) {
     double free = 0, reaction = 0;
     for (int a = 0; a < 3; ++a) {
-      const double value = r[3 * n + std::size_t(a)];
       const bool is_held = (held[n] >> a & 1) != 0;
+      const std::size_t at = 3 * n + std::size_t(a);
+      const double value = r[at] + (is_held && within != nullptr ? within[at] : 0);
       (is_held ? reaction : free) += value * value;
       if (!is_held) norms.free_sum[a] += value;
     }
@@ -35,11 +36,14 @@ NodeNorms norms_of_range(const double* r, const std::uint8_t* held, std::size_t 
   return norms;
 }
 
-NodeNorms node_norms(const std::vector<double>& r, const HeldBits& held) {
+/// `within`: forces at held nodes that do not count, three per node; may be empty.
+NodeNorms node_norms(const std::vector<double>& r, const HeldBits& held,
+                     const std::vector<double>& within) {
   static_assert(kVectorRange % 3 == 0, "ranges hold whole nodes");
   std::vector<NodeNorms> parts((r.size() + kVectorRange - 1) / kVectorRange);
   for_ranges(r.size(), [&](std::size_t begin, std::size_t end) {
-    parts[begin / kVectorRange] = norms_of_range(r.data(), held.data(), begin, end);
+    parts[begin / kVectorRange] =
+        norms_of_range(r.data(), within.empty() ? nullptr : within.data(), held.data(), begin, end);
   });
   NodeNorms sum;
   for (const NodeNorms& part : parts) {
@@ -80,14 +84,14 @@ void set_to_forces(const NodalLoads& loads, std::vector<double>& r) {
 ResidualMeter::ResidualMeter(const NodalLoads& loads)
     : m_loads(&loads), m_reactions(loads.nodes_of.size(), Vec3d(0)) {
   if (loads.force_mn.empty()) return;
-  const NodeNorms norms = node_norms(loads.force_mn, loads.held);
+  const NodeNorms norms = node_norms(loads.force_mn, loads.held, {});
   m_largest_load_mn = std::max(norms.largest_free, norms.largest_held);
   m_load_lengths_mn = norms.free_lengths + norms.held_lengths;
   m_seen_mn = m_largest_load_mn;
 }
 
 ResidualSize ResidualMeter::operator()(const std::vector<double>& r) {
-  const NodeNorms norms = node_norms(r, m_loads->held);
+  const NodeNorms norms = node_norms(r, m_loads->held, m_loads->within_held_mn);
   ResidualSize size;
   size.largest_mn = norms.largest_free;
   have_seen(std::max(norms.largest_free, norms.largest_held));
@@ -99,12 +103,15 @@ ResidualSize ResidualMeter::operator()(const std::vector<double>& r) {
   size.rms = std::sqrt(norms.squares / double(m_loads->held.size())) * scale;
   const double lengths = std::max(m_load_lengths_mn + norms.held_lengths, least_force_mn);
   size.balance = lengths > 0 ? norms.free_sum.length() / lengths : 0;
+  const std::vector<double>& within = m_loads->within_held_mn;
   double change = 0, largest = 0;
   for (std::size_t s = 0; s < m_reactions.size(); ++s) {
     Vec3d sum(0);
     for (const NodeIndex n : m_loads->nodes_of[s]) {
       for (int a = 0; a < 3; ++a) {
-        if ((m_loads->held[n] >> a & 1) != 0) sum[a] += r[3 * std::size_t(n) + a];
+        const std::size_t at = 3 * std::size_t(n) + std::size_t(a);
+        if ((m_loads->held[n] >> a & 1) == 0) continue;
+        sum[a] += r[at] + (within.empty() ? 0 : within[at]);
       }
     }
     change = std::max(change, (sum - m_reactions[s]).length());

@@ -5,6 +5,9 @@
 // residual is small. Forces therefore count at least kLeastForce of the largest that there has
 // been, such as that of the handle before anything else moved, and a residual of kRoundingForce of
 // it is as small as double precision makes it.
+//
+// Forces between elements that are held as a whole count nowhere: bone beside a lip that is led
+// away would be pulled out of shape with thousands of times the force of all that is solved for.
 #pragma once
 
 #include <algorithm>
@@ -17,11 +20,12 @@ namespace supple {
 constexpr double kLeastForce = 1e-9, kRoundingForce = 2e-15;
 
 struct ResidualSize {
-  double max = 0, rms = 0;      // over nodes, relative to the largest nodal force
-  double largest_mn = 0;        // the largest of a node
-  double largest_force_mn = 0;  // of loads and reactions, at least kLeastForce of seen_mn
-  double seen_mn = 0;           // the largest force of a node that there has been, held or free
-  double reaction_change = 0;   // relative to the largest reaction, since the last one
+  double max = 0, rms = 0;  // over nodes, relative to the largest nodal force
+  double largest_mn = 0;    // the largest of a node
+  /// Of loads and reactions but for forces within what is held, at least kLeastForce of seen_mn.
+  double largest_force_mn = 0;
+  double seen_mn = 0;          // the largest force of a node that there has been, held or free
+  double reaction_change = 0;  // relative to the largest reaction, since the last one
   /// Length of the sum of all nodes' residuals relative to the sum of the lengths of loads and
   /// reactions, which is how far these are from balance. A smooth residual that is small at every
   /// node adds up.

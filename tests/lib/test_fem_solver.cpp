@@ -210,6 +210,31 @@ TEST(PropertyFem, LoadsAreCarriedByWhatHoldsTheBody) {
   EXPECT_LT(swollen.force_n.length(), 1e-8);
 }
 
+TEST(PropertyFem, TheStiffnessOfWhatIsHeldAsAWholeEndsNoSolutionEarlier) {
+  // Two layers of voxels at the end, which may be bone, are pulled out of shape.
+  constexpr int n = 12;
+  const Body body = fem_body(n, [](const Vec3i& v) { return v.z >= n - 2 ? 2 : 1; });
+  FemLoads loads;
+  loads.held.push_back(hold_where(body, [](const Vec3d& x) { return x.z < -0.49; }));
+  loads.held.push_back(hold_where(
+      body, [](const Vec3d& x) { return x.z > n - 2.51; },
+      [](const Vec3d& x) { return Vec3d(0.3 * std::sin(x.x), 0.5, 0.1 * x.z); }));
+  FemParams params;
+  params.set_accuracy(FemAccuracy::picture);
+  ElasticTable elastic = ElasticTable::uniform(10, 0.3);
+  const FemSolution soft = FemModel(body, elastic).solve(loads, params);
+  elastic.young_kpa[2] = 1e7;
+  const FemSolution stiff = FemModel(body, elastic).solve(loads, params);
+  EXPECT_GT(soft.report.iterations, 1);
+  EXPECT_EQ(stiff.report.iterations, soft.report.iterations);
+  EXPECT_NEAR(stiff.report.residual_max, soft.report.residual_max, 1e-6);
+  double largest = 0;
+  for (std::size_t m = 0; m < soft.u_mm.size(); ++m) {
+    largest = std::max(largest, std::abs(stiff.u_mm[m] - soft.u_mm[m]));
+  }
+  EXPECT_LT(largest, 1e-6);
+}
+
 TEST(PropertyFem, SolutionsHaveTheSameBitsOnAnyNumberOfThreads) {
   std::mt19937 random(12);
   const Body body = random_fem_body(random, Vec3i(30, 30, 30));
