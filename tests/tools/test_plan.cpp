@@ -94,6 +94,20 @@ TEST_F(UnitPlan, FiniteElementsTakeAsLongAsToleranceAndFixedBoxesAsk) {
   EXPECT_EQ(quick.at("brief_mb"), exact.at("brief_mb"));
 }
 
+TEST_F(UnitPlan, UnknownsOfFiniteElementsAreThoseThatAnchorsLeaveFree) {
+  const Json json =
+      run("[[step]]\ngrab = [12, 12, 12]\nby = [0.0, 1.0, 0.0]\nmodel = \"fem\"\n"
+          "fix = [[0, 0, 0, 24, 9, 24]]\n",
+          {"--plan"});
+  double planned = 0;
+  for (const Json& row : json.at("plan").at("rows")) {
+    const std::string what = row.at("what");
+    if (what.find("unknowns") != std::string::npos) planned = std::stod(what);
+  }
+  const double were = json.at("steps")[0].at("fem").at("unknowns");
+  EXPECT_NEAR(planned / were, 1, 0.03);
+}
+
 TEST_F(UnitPlan, WithoutExportAndDeformedViewsNothingIsInverted) {
   const std::string at_rest = kPlannedView + "deformed = false\n",
                     solving = kPlannedView + "inverse = false\n";

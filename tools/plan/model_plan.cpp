@@ -1,6 +1,7 @@
 #include "tools/plan/model_plan.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -21,12 +22,11 @@ constexpr double kSpringStart = 0.35, kDownWork = 0.2, kMotionWork = 1.35, kCont
 constexpr double kMinimumSteps = 40;  // that a minimum of springs takes, of those that it may
 /// Of bodies that no cache holds, in the time of the small one of a calibration.
 constexpr double kFemBeyondCaches = 1.6;
-constexpr double kFemBytes = 58;          // per unknown
-constexpr double kFiniteBytes = 70;       // more, at finite strain
-constexpr double kModeBytes = 16;         // more, of every mode
-constexpr double kLanczosBytes = 8;       // more, of every vector that modes are found from
-constexpr double kMotionBytes = 200;      // more, with mass, damping and what moves
-constexpr double kNodesOfElement = 1.12;  // of a head; of one slice twice as many
+constexpr double kFemBytes = 58;      // per unknown
+constexpr double kFiniteBytes = 70;   // more, at finite strain
+constexpr double kModeBytes = 16;     // more, of every mode
+constexpr double kLanczosBytes = 8;   // more, of every vector that modes are found from
+constexpr double kMotionBytes = 200;  // more, with mass, damping and what moves
 /// Of an equilibrium, for the first decade of the residual: usually, and beside rigid pieces or
 /// tissue that many times as stiff. Later decades take more.
 constexpr double kIterations = 3, kHardIterations = 10, kLargeContrast = 1000;
@@ -58,7 +58,7 @@ double element_count(const Session& session) {
 }
 
 /// Elements of the fixed boxes, and of rigid pieces that these hold as wholes.
-double fixed_count(const StepRequest& request, const Session& session) {
+SlotSet fixed_elements(const StepRequest& request, const Session& session) {
   const Body& body = session.body();
   SlotSet fixed;
   for (const IndexBox& box : request.fix) fixed.add(elements_of(body, Region(box), "fix"));
@@ -67,7 +67,41 @@ double fixed_count(const StepRequest& request, const Session& session) {
     Slot slot;
     if (piece.elements->first_common(fixed, slot)) all.add(*piece.elements);
   }
-  return double(all.size());
+  return all;
+}
+
+/// Corners of elements, and those of them that no fixed element has.
+struct NodeCount {
+  double all = 0, free = 0;
+};
+
+/// A corner between bricks counts in each of them, by the part of it that is the brick's.
+NodeCount count_nodes(const BrickTopology& elements, const SlotSet& fixed) {
+  constexpr int kEdge = 9;
+  NodeCount count;
+  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+    const BrickMask* const held = fixed.find(b);
+    std::array<std::uint8_t, kEdge * kEdge * kEdge>
+        corners{};  // 1: of an element; 2: of a held one
+    for_each_active(elements.mask(b), [&](int offset) {
+      const Vec3i voxel = brick_local(offset);
+      const std::uint8_t bits = held != nullptr && mask_test(*held, offset) ? 3 : 1;
+      for (int n = 0; n < 8; ++n) {
+        const int i = voxel.x + (n >> 2), j = voxel.y + (n >> 1 & 1), k = voxel.z + (n & 1);
+        corners[std::size_t((i * kEdge + j) * kEdge + k)] |= bits;
+      }
+    });
+    for (std::size_t n = 0; n < corners.size(); ++n) {
+      if (corners[n] == 0) continue;
+      double part = 1;
+      for (const std::size_t at : {n / (kEdge * kEdge), n / kEdge % kEdge, n % kEdge}) {
+        if (at == 0 || at == kEdge - 1) part /= 2;
+      }
+      count.all += part;
+      if (corners[n] == 1) count.free += part;
+    }
+  }
+  return count;
 }
 
 ModelPlan plan_springs(const SpringStep& springs, const Session& session, const UnitCosts& costs) {
@@ -92,11 +126,9 @@ ModelPlan plan_springs(const SpringStep& springs, const Session& session, const 
 ModelPlan plan_finite_elements(const StepRequest& request, const Session& session,
                                const UnitCosts& costs) {
   const FemStep& fem = *request.fem;
-  const double elements = element_count(session);
-  const bool is_slice = session.geometry().dims().z == 1;
   const double parts = std::pow(8, fem.halvings);
-  const double all = 3 * elements * parts * (is_slice ? 2.1 : kNodesOfElement);
-  const double unknowns = all * std::max(0.0, 1 - fixed_count(request, session) / elements);
+  const NodeCount nodes = count_nodes(session.body().elements, fixed_elements(request, session));
+  const double all = 3 * nodes.all * parts, unknowns = 3 * nodes.free * parts;
   const FemParams& params = fem.params;
   const bool is_finite = params.strain == StrainTheory::finite;
   const double systems = fem.modes    ? fem.modes->count * kModeSystems
