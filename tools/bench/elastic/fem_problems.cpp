@@ -88,7 +88,7 @@ FemProblem head_problem(const std::string& head) {
     held.displacement_mm = [=](const Vec3d&) { return moved_mm; };
   };
   hold({128, 211, 12}, body.geometry.axes_mm()[1].normalized() * 2.0);
-  hold({128, 30, 60}, Vec3d(0.0));
+  hold({128, 33, 80}, Vec3d(0.0));  // bone, at the back of the skull
   return problem;
 }
 
