@@ -181,6 +181,38 @@ TEST_F(UnitFemScene, AccuracySetsBothTolerancesAndWhatStandsBesideItReplacesThem
   EXPECT_NE(by_option.out.find("\"accuracy\": \"picture\""), std::string::npos) << by_option.out;
 }
 
+TEST_F(UnitFemScene, TheAccuracyOfARunReplacesTheTolerancesOfItsScene) {
+  const auto run = [&](const std::string& fem, const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"run",    scene(fem, ""), "-o", m_folder / "out",
+                                      "--json", "--force"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_supple(words);
+  };
+  const auto settings = [&](const std::string& fem, const std::vector<std::string>& more) {
+    const Outcome outcome = run(fem, more);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out)["steps"][0]["settings"];
+  };
+  const std::string picture = "accuracy = \"picture\"";
+  EXPECT_EQ(settings("", {"--accuracy", "picture"}), settings(picture, {}));
+  EXPECT_EQ(settings(picture, {"--accuracy", "exact"}), settings("", {}));
+  EXPECT_EQ(settings("tolerance = 0.01", {"--accuracy", "exact"}), settings("", {}));
+  EXPECT_EQ(run("", {"--accuracy", "coarse"}).exit_code, 2);
+  for (const char* other : {"--method", "--budget", "--error"}) {
+    EXPECT_EQ(run("", {"--accuracy", "exact", other, "1s"}).exit_code, 2) << other;
+  }
+  std::string without = read_text(scene("", ""));
+  for (const std::string line : {"model = \"fem\"\n", "fem = {  }\n"}) {
+    without.erase(without.find(line), line.size());
+  }
+  write_text(m_folder / "ecm.toml", without);
+  const Outcome ecm = run_supple(
+      {"run", m_folder / "ecm.toml", "-o", m_folder / "out", "--force", "--accuracy", "exact"});
+  EXPECT_EQ(ecm.exit_code, 3);
+  EXPECT_NE(ecm.err.find("--accuracy: found no step of finite elements"), std::string::npos)
+      << ecm.err;
+}
+
 TEST_F(UnitFemScene, WarningsOfTurnsAndStrainsNameVoxels) {
   std::vector<std::string> far = stretch({});
   *(std::find(far.begin(), far.end(), "--by") + 1) = "0,0,2";

@@ -6,6 +6,7 @@
 
 #include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
+#include "tools/console/field_options.h"
 #include "tools/console/own_process.h"
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
@@ -31,6 +32,8 @@ struct RunSceneOptions {
   bool resume = false;
   std::string frames;
   std::string method, drawing, state;
+  FemStep fem;  // its accuracy, where that is given
+  bool has_accuracy = false;
   MethodWanted wanted;
 };
 
@@ -112,6 +115,7 @@ OutputPlan files_of(const Scene& scene, const RunSceneOptions& options,
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
   Scene scene = read_scene(options.scene);
   if (!options.method.empty()) solve_by(scene, parse_method(options.method));
+  if (options.has_accuracy) solve_to(scene, options.fem.params.accuracy);
   if (!options.drawing.empty()) draw_by(scene, parse_drawing(options.drawing));
   if (!options.state.empty()) scene.output.state = options.state;
   GlobalOptions global = given;
@@ -184,6 +188,11 @@ Command add_run(CLI::App& program) {
       ->excludes(budget)
       ->excludes(error)
       ->option_text("NAME:KNOB");
+  add_field_options(*app, {accuracy_field(options->fem).otherwise("what the scene says")});
+  CLI::Option* accuracy = app->get_option("--accuracy");
+  for (const char* other : {"--budget", "--error", "--method"}) {
+    accuracy->excludes(app->get_option(other));
+  }
   app->add_option("--drawing", options->drawing,
                   "How views are drawn in place of what they say, such as draw-newton:0.5")
       ->option_text("NAME:KNOB");
@@ -195,7 +204,8 @@ Command add_run(CLI::App& program) {
                     "and why, with memory and time");
   app->add_flag("--plan", options->tells_plan, "Print that first, and afterwards what came of it")
       ->excludes(dry_run);
-  return {app, [options](const GlobalOptions& global, Console& console) {
+  return {app, [options, accuracy](const GlobalOptions& global, Console& console) {
+            options->has_accuracy = accuracy->count() > 0;
             return run_scene(*options, global, console);
           }};
 }

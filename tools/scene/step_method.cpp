@@ -41,6 +41,7 @@ void by_springs(SceneStep& step, double steps) {
 }
 void by_fem(SceneStep& step, double tolerance) {
   if (!step.fem) step.fem = GivenFem();
+  step.fem->step.params.set_accuracy(FemAccuracy::exact);  // from rest, whatever came before
   step.fem->step.params.tolerance = tolerance;
   step.fem->step.params.reaction_tolerance = std::max(1e-9, tolerance);
   step.fem->step.params.max_iterations = 5000;
@@ -213,6 +214,18 @@ void solve_by(Scene& scene, const StepMethod& method) {
   for (SceneView& view : scene.views) {
     if (view.after_step) view.after_step = kept_until[std::size_t(*view.after_step)];
   }
+}
+
+void solve_to(Scene& scene, FemAccuracy accuracy) {
+  bool has_fem = false;
+  for (SceneStep& step : scene.steps) {
+    if (!step.fem) continue;
+    step.fem->step.params.set_accuracy(accuracy);
+    has_fem = true;
+  }
+  if (has_fem) return;
+  throw InputError(
+      {scene.file, "--accuracy", "no step of finite elements", "a step with model = \"fem\""});
 }
 
 }  // namespace supple::tools

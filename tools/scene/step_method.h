@@ -27,4 +27,8 @@ StepMethod parse_method(const std::string& text);
 /// of a scene without material, for films and journals.
 void solve_by(Scene& scene, const StepMethod& method);
 
+/// Finite elements of all steps end at this accuracy, in place of the tolerances that the scene
+/// says. Throws InputError for a scene without finite elements.
+void solve_to(Scene& scene, FemAccuracy accuracy);
+
 }  // namespace supple::tools
