@@ -19,10 +19,10 @@ struct Retraction {
 };
 Fields fields(Retraction& retraction);
 
-/// The lips as pushing handles, first the one on the side of edge1 x edge2: elements at rest within
-/// `width` of the patch go half of `by` away from it, times 4 s (1 - s) along edge1 and t / t_skin
-/// along edge2, t_skin being the largest t of any of them. Elements that are `taken` stay. Throws
-/// InputError where a side has no element.
+/// The lips as pushing handles, which finite elements hold where they are drawn; first the one on
+/// the side of edge1 x edge2: elements at rest within `width` of the patch go half of `by` away
+/// from it, times 4 s (1 - s) along edge1 and t / t_skin along edge2, t_skin being the largest t of
+/// any of them. Elements that are `taken` stay. Throws InputError where a side has no element.
 std::vector<Handle> handles_of(const Retraction& retraction, const Body& body,
                                const SlotSet& taken);
 

@@ -43,6 +43,7 @@ std::vector<Handle> Session::handles_of(const StepRequest& request,
   for (Retraction retraction : request.retract) {
     retraction.by_mm *= part;
     for (Handle& lip : supple::handles_of(retraction, m_body, taken)) {
+      if (!is_pushed) lip.kind = HandleKind::two_sided;
       taken.add(elements_of(m_body, lip.region, "grab"));
       handles.push_back(std::move(lip));
     }
@@ -217,11 +218,10 @@ HeldBody Session::held_with_pieces(std::vector<Region>& anchors) {
 }
 
 void Session::check_model_of_pieces(const StepRequest& request) const {
-  const bool is_ecm = !request.springs && !request.fem;
-  if (!request.retract.empty() && (!is_ecm || request.limits == Limits::ball)) {
+  if (!request.retract.empty() && (request.springs || request.limits == Limits::ball)) {
     throw InputError({request.retract.front().place, "retract",
-                      is_ecm ? "beside limits = \"ball\"" : "beside springs or finite elements",
-                      "a step of ECM with box limits"});
+                      request.springs ? "beside springs" : "beside limits = \"ball\"",
+                      "a step of ECM with box limits, or of finite elements"});
   }
   if (m_body.rigid.empty()) return;
   if (request.limits != Limits::box) {

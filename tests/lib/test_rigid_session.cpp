@@ -447,6 +447,43 @@ TEST_F(UnitPieces, RetractionOpensACutLikeAWedgeAndLeavesItsEndsClosed) {
   EXPECT_GE(gap(15, 15), 3 - 1e-4);
 }
 
+TEST_F(UnitPieces, FiniteElementsHoldTheLipsOfARetractionWhereTheyAreDrawn) {
+  m_options.material = parse_material(
+      "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.6]]\nmin_length = [[0, 0.6]]\n"
+      "shear = [[0, 0.29]]\nstiffness = [[0, 20]]\n",
+      "test");
+  Session session(m_folder / "bars.nhdr", m_options);
+  CutSurface plane;
+  plane.in_voxels = true;
+  plane.corner = {5, 8.5, 7};
+  plane.edge1 = {20, 0, 0};
+  plane.edge2 = {0, 0, 12};
+  StepRequest request;
+  request.cuts = {plane};
+  request.retract.emplace_back();
+  Retraction& retraction = request.retract.back();
+  retraction.corner = plane.corner;
+  retraction.edge1 = plane.edge1;
+  retraction.edge2 = plane.edge2;
+  retraction.in_voxels = true;
+  retraction.by_mm = 3;
+  retraction.width_mm = 1;
+  request.fix.push_back({{0, 0, 1}, {29, 3, 7}});
+  request.fem = FemStep();
+  session.step(request);
+  const Body& body = session.body();
+  const auto gap = [&](int i, int k) {
+    return double(body.offset({i, 9, k}, 1) - body.offset({i, 8, k}, 1)) / kVoxel;
+  };
+  EXPECT_NEAR(gap(15, 15), 3, 1e-4);                          // the middle, at the skin
+  EXPECT_NEAR(gap(10, 11), 3 * 4 * 0.25 * 0.75 * 0.5, 1e-4);  // a quarter along, half as deep
+  StepRequest by_springs;
+  by_springs.springs = SpringStep();
+  by_springs.retract = request.retract;
+  const std::string error = input_error([&] { session.step(by_springs); });
+  EXPECT_NE(error.find("retract: found beside springs"), std::string::npos) << error;
+}
+
 TEST_F(UnitPieces, ARetractionBesideAPathOpensInEqualPartsPoseByPose) {
   Session session(m_folder / "bars.nhdr", m_options);
   CutSurface plane;

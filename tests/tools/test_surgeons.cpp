@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "volumes/base/vec.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -111,6 +112,16 @@ class InteropSurgeons : public ::testing::Test {
     }
   }
 
+  /// Where the scene took a voxel, LPS mm.
+  Vec3d way_of(const std::string& voxel) {
+    const Outcome probe =
+        run_supple({"probe", m_folder / "out/state.vdb", "--at", voxel, "--json"});
+    EXPECT_EQ(probe.exit_code, 0) << probe.err;
+    if (probe.exit_code != 0) return Vec3d(0.0);
+    const Json way = Json::parse(probe.out).at("places").at(0).at("displacement_mm");
+    return {way[0], way[1], way[2]};
+  }
+
   std::string m_head;
   TemporaryFolder m_folder;
   Outcome m_outcome;
@@ -177,6 +188,29 @@ TEST_F(InteropSurgeons, CheekAndNoseMoveTissueAloneAndTheWholeWay) {
     EXPECT_EQ(step.value("fraction", 1.0), 1) << scene;
     expect_nothing_lost(json, 20'000);
   }
+}
+
+TEST_F(InteropSurgeons, TheIncisionIsHeldOpenAndTheTissueBesideItsLipsFollows) {
+  const Json json = run_scene_of("head_incision.toml");
+  ASSERT_FALSE(json.is_null());
+  expect_at_rest(largest_of(json.at("rigid_pieces")));
+  expect_nothing_lost(json, 1'000);
+  // Across the cut, LPS: both lips beside its middle, then 8 mm further on either side.
+  const Vec3d across = Vec3d(0.39, -0.92, 0).normalized();
+  const double front = way_of("63,174,21").dot(across), back = way_of("61,170,21").dot(across);
+  EXPECT_GT(front - back, 9);
+  EXPECT_LT(front - back, 11);
+  EXPECT_GT(way_of("66,182,21").dot(across), 0.2 * front);
+  EXPECT_LT(way_of("58,162,21").dot(across), 0.2 * back);
+}
+
+TEST_F(InteropSurgeons, TheHooksOfTheCurveAreFifteenMillimetresApart) {
+  const Json json = run_scene_of("head_incision_curve.toml");
+  ASSERT_FALSE(json.is_null());
+  expect_at_rest(largest_of(json.at("rigid_pieces")));
+  expect_nothing_lost(json, 1'000);
+  EXPECT_EQ(json.at("steps")[0].value("fraction", 1.0), 1);
+  EXPECT_NEAR((way_of("64,180,21") - way_of("61,173,21")).length(), 15, 0.05);
 }
 
 TEST_F(InteropSurgeons, TheFlapIsGone) {
