@@ -6,9 +6,10 @@
 namespace supple {
 
 struct Comparison {
-  double rmse = 0;      // over alpha and R, G, B composited on black, 0…1
-  double max_diff = 0;  // largest difference of one of these channels, 0…1
-  double ssim = 1;      // luminance on black, Gaussian window 11x11, sigma 1.5
+  double rmse = 0;        // over R, G, B composited on black, 0…1
+  double rmse_alpha = 0;  // over alpha alone, 0…1
+  double max_diff = 0;    // largest difference of one of these four channels, 0…1
+  double ssim = 1;        // luminance on black, Gaussian window 11x11, sigma 1.5
   std::int64_t compared_pixels = 0;
 };
 

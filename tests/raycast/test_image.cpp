@@ -113,16 +113,18 @@ TEST(UnitCompare, UniformImagesByHand) {
   const Image a = uniform(16, 16, {255, 255, 255, 255}), b = uniform(16, 16, {51, 51, 51, 255});
   const Comparison result = compare(a, b, false);
   EXPECT_NEAR(result.ssim, (2 * 0.2 + 1e-4) / (1 + 0.04 + 1e-4), 1e-9);
-  EXPECT_NEAR(result.rmse, 0.8 * std::sqrt(0.75), 1e-12);  // alpha is the same
+  EXPECT_NEAR(result.rmse, 0.8, 1e-12);  // that alpha is the same makes it no smaller
+  EXPECT_EQ(result.rmse_alpha, 0);
   EXPECT_NEAR(result.max_diff, 0.8, 1e-12);
 }
 
-TEST(UnitCompare, AlphaCountsBesideTheColoursOnBlack) {
+TEST(UnitCompare, AlphaIsANumberBesideTheColoursOnBlack) {
   // White of alpha 0.2 is an opaque grey of 0.2 on black, so that alpha alone differs, by 0.8.
   const Image thin = uniform(9, 9, {255, 255, 255, 51}), grey = uniform(9, 9, {51, 51, 51, 255});
   const Comparison result = compare(thin, grey, false);
   EXPECT_NEAR(result.max_diff, 0.8, 1e-12);
-  EXPECT_NEAR(result.rmse, 0.8 / 2, 1e-12);
+  EXPECT_NEAR(result.rmse, 0, 1e-12);
+  EXPECT_NEAR(result.rmse_alpha, 0.8, 1e-12);
   EXPECT_NEAR(result.ssim, 1, 1e-12);
   EXPECT_EQ(difference_image(thin, grey).rgba[0], 255);
   Image rgb = grey;
@@ -137,7 +139,8 @@ TEST(UnitCompare, ForegroundCountsPixelsWhereEitherImageIsNotTransparent) {
   b.rgba[7] = 255;  // pixel 1
   b.rgba[4] = 255;
   EXPECT_EQ(compare(a, b, true).compared_pixels, 2);
-  EXPECT_NEAR(compare(a, b, true).rmse, std::sqrt(3.0 / 8), 1e-12);
+  EXPECT_NEAR(compare(a, b, true).rmse, std::sqrt(1.0 / 6), 1e-12);
+  EXPECT_NEAR(compare(a, b, true).rmse_alpha, 1, 1e-12);
   EXPECT_EQ(compare(a, b, false).compared_pixels, 100);
   EXPECT_EQ(compare(Image(4, 4), Image(4, 4), true).compared_pixels, 0);
   EXPECT_THROW(compare(a, Image(10, 9), false), InputError);

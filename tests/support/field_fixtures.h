@@ -91,13 +91,32 @@ inline Displacement noisy_displacement(std::mt19937& random, const BrickTopology
                          [&](const Vec3i&) { return shift + random_vector(random, size); });
 }
 
+/// u at a place, carried on linearly along each axis for half a voxel beyond the border of `dims`.
+inline bool sample_with_border(const VectorBricks& u, const Vec3i& dims, const Vec3d& pos,
+                               Vec3d& value) {
+  for (int a = 0; a < 3; ++a) {
+    const double last = dims[a] - 1, border = pos[a] < 0 ? 0 : last;
+    const double beyond = std::abs(pos[a] - border);
+    if ((pos[a] >= 0 && pos[a] <= last) || last == 0 || beyond > 0.5) continue;
+    Vec3d at = pos, next = pos, u_at, u_next;
+    at[a] = border;
+    next[a] = border + (pos[a] < 0 ? 1 : -1);
+    if (!sample_with_border(u, dims, at, u_at)) return false;
+    if (!sample_with_border(u, dims, next, u_next)) return false;
+    value = u_at + (u_at - u_next) * beyond;
+    return true;
+  }
+  return u.sample(pos, value);
+}
+
 /// max |o + u(x + o)| over the nodes of `o`; positions rounded off the border are put back on it.
 inline double max_residual(const VectorBricks& u, const VectorBricks& o) {
   double worst = 0;
   for_each_voxel(o.topology, [&](const Vec3i& x, std::size_t slot) {
     const Vec3d offset(o.vectors.at(slot));
+    const Vec3i dims = u.topology.active_bounds().hi + Vec3i(1);
     Vec3d pos = Vec3d(x) + offset, moved;
-    if (!u.sample(pos, moved)) {
+    if (!sample_with_border(u, dims, pos, moved)) {
       for (int a = 0; a < 3; ++a) {
         const double nearest = std::round(pos[a]);
         if (std::abs(pos[a] - nearest) < 1e-4) pos[a] = nearest;

@@ -56,14 +56,10 @@ nlohmann::ordered_json number(double label) {
 LabelReport write_labels(const std::string& path, const StoredLabels& labels,
                          const OffsetField& offsets, const Geometry& grid, Console& console) {
   const GridPositions positions(grid, offsets.geometry);
-  const Vec3i& source = offsets.geometry.dims();
   const auto find = [&](int i, int j, int k, Vec3d& place) {
-    Vec3d pos = positions.at(i, j, k), o;
-    if (!offsets.sample(pos, o)) return false;
-    pos += o;
-    // A volume of one slice has nothing beside it.
-    for (int a = 0; a < 3; ++a) pos[a] = source[a] == 1 ? 0 : pos[a];
-    place = offsets.geometry.world_from_index(pos);
+    Vec3d source;
+    if (!offsets.source_of(positions.at(i, j, k), source)) return false;
+    place = offsets.geometry.world_from_index(source);
     return true;
   };
   return write(path, labels, grid, find, console);

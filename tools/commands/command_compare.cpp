@@ -20,7 +20,9 @@ struct CompareOptions {
 
 Fields fields(CompareOptions& options) {
   return {
-      Field("max_rmse", options.max_rmse, "Largest root mean square difference").range(0, 1),
+      Field("max_rmse", options.max_rmse,
+            "Largest root mean square difference, of R, G, B on black and of alpha")
+          .range(0, 1),
       Field("min_ssim", options.min_ssim, "Smallest structural similarity").range(-1, 1),
       Field("max_diff", options.max_diff, "Largest difference of any channel").range(0, 1),
       Field("mask", options.mask, "foreground: only where either picture is not empty")
@@ -42,8 +44,9 @@ std::vector<std::string> broken_limits(const CompareOptions& options,
     lines.emplace_back(line);
   };
   if (options.max_rmse) {
-    check("rmse", comparison.rmse, comparison.rmse <= *options.max_rmse, *options.max_rmse,
-          "at most");
+    const double limit = *options.max_rmse;
+    check("rmse", comparison.rmse, comparison.rmse <= limit, limit, "at most");
+    check("rmse of alpha", comparison.rmse_alpha, comparison.rmse_alpha <= limit, limit, "at most");
   }
   if (options.min_ssim) {
     check("ssim", comparison.ssim, comparison.ssim >= *options.min_ssim, *options.min_ssim,
@@ -70,14 +73,15 @@ int run_compare(const CompareOptions& options, const GlobalOptions& global, Cons
   const std::vector<std::string> broken = broken_limits(options, comparison);
   if (global.json) {
     const nlohmann::ordered_json json = {{"rmse", comparison.rmse},
+                                         {"rmse_alpha", comparison.rmse_alpha},
                                          {"ssim", comparison.ssim},
                                          {"max_diff", comparison.max_diff},
                                          {"pixels", comparison.compared_pixels},
                                          {"within_limits", broken.empty()}};
     std::printf("%s\n", json.dump(2).c_str());
   } else if (!global.quiet) {
-    std::printf("rmse %.4g  ssim %.4g  max_diff %.4g\n", comparison.rmse, comparison.ssim,
-                comparison.max_diff);
+    std::printf("rmse %.4g  alpha %.4g  ssim %.4g  max_diff %.4g\n", comparison.rmse,
+                comparison.rmse_alpha, comparison.ssim, comparison.max_diff);
   }
   for (const std::string& line : broken) console.note("over the limit: " + line);
   return broken.empty() ? kOk : kFailure;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/grid/cell.h"
+
 namespace supple::tools {
 
 LiveBody::LiveBody(Session& session, Interpolation interpolation, Progress& progress)
@@ -118,20 +120,18 @@ const OffsetField& LiveBody::inverse() {
 RestPlaceAt rest_places(LiveBody& body) {
   if (!body.shows_forward()) {
     return [&offsets = body.inverse()](const Vec3d& index, Vec3d& at_rest) {
-      Vec3d offset;
-      if (!offsets.sample(index, offset)) return false;
-      at_rest = index + offset;
-      return true;
+      return offsets.source_of(index, at_rest);
     };
   }
-  const BrickTopology& voxels = body.opened().density.bricks();
-  return [&forward = body.forward(), &tissue = voxels](const Vec3d& index, Vec3d& at_rest) {
+  const State& opened = body.opened();
+  return [&forward = body.forward(), &tissue = opened.density.bricks(),
+          dims = opened.geometry.dims()](const Vec3d& index, Vec3d& at_rest) {
     PointwiseOffsets::Sample found;
     const Vec3i voxel(int(std::lround(index.x)), int(std::lround(index.y)),
                       int(std::lround(index.z)));
     const std::int32_t brick = forward.bricks().find(voxel);
     if (brick >= 0 && !forward.sample(std::size_t(brick), index, found)) return false;
-    at_rest = index + found.offset;
+    at_rest = within_border(index + found.offset, dims);
     return brick >= 0 || tissue.is_active(voxel);
   };
 }

@@ -60,12 +60,8 @@ void add_overlay_legend(Annotations& annotations, const TissueMarks& marks, cons
 }
 
 RestPlaceAt rest_place_of(const OffsetField& offsets) {
-  return [&offsets](const Vec3d& index, Vec3d& at_rest) {
-    Vec3d offset;
-    if (!offsets.sample(index, offset)) return false;
-    at_rest = index + offset;
-    return true;
-  };
+  return
+      [&offsets](const Vec3d& index, Vec3d& at_rest) { return offsets.source_of(index, at_rest); };
 }
 
 TissueMarks with_overlay_range(TissueMarks marks, double longest_mm) {

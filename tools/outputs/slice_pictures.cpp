@@ -11,6 +11,7 @@
 #include "tools/outputs/overlay_paint.h"
 #include "volumes/base/error.h"
 #include "volumes/grid/b_spline.h"
+#include "volumes/grid/cell.h"
 #include "volumes/grid/volume.h"
 #include "volumes/io/bytes/value_type.h"
 
@@ -54,12 +55,16 @@ DensityAt density_between(const SliceSource& source, Interpolation interpolation
 /// The density that is seen at a place: that of where its tissue came from.
 DensityAt seen_density(const SliceSource& source, Interpolation interpolation) {
   DensityAt at_rest = density_between(source, interpolation);
-  if (source.offsets == nullptr) return at_rest;
+  if (source.offsets == nullptr) {
+    return [&source, at_rest](const Vec3d& index) {
+      return at_rest(within_border(index, source.geometry.dims()));
+    };
+  }
   const float outside = source.density.background();
   const OffsetField& offsets = *source.offsets;
   return [&offsets, outside, at_rest](const Vec3d& index) {
-    Vec3d offset;
-    return offsets.sample(index, offset) ? at_rest(index + offset) : outside;
+    Vec3d place;
+    return offsets.source_of(index, place) ? at_rest(place) : outside;
   };
 }
 

@@ -6,6 +6,7 @@
 #include "tools/outputs/reports.h"
 #include "tools/outputs/view_pictures.h"
 #include "tools/scene/json.h"
+#include "volumes/grid/cell.h"
 #include "volumes/grid/volume.h"
 
 namespace supple::tools {
@@ -85,7 +86,8 @@ Json place_json(OpenScene& scene, const Vec3d& index) {
   if (is_known) {
     json["rest_lps"] = vector_json(state.geometry.world_from_index(at_rest));
     json["displacement"] = vector_json(state.geometry.world_vector_from_index(index - at_rest));
-    json["density"] = sample_trilinear(state.density, at_rest, state.density.background());
+    json["density"] = sample_trilinear(state.density, within_border(at_rest, state.geometry.dims()),
+                                       state.density.background());
   }
   return json;
 }

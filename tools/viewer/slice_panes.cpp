@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "raycast/scene/camera.h"
+#include "volumes/grid/cell.h"
 #include "volumes/grid/volume.h"
 
 namespace supple::tools {
@@ -79,9 +80,9 @@ SlicePane draw_pane(const State& state, const SliceSettings& settings, int plane
   const Geometry grid = pane_grid(geometry, settings, plane, drawn);
   const float outside = state.density.background();
   const DensityAt density = [&](const Vec3d& index) {
-    if (!rest) return sample_trilinear(state.density, index, outside);
-    Vec3d at_rest;
-    return rest(index, at_rest) ? sample_trilinear(state.density, at_rest, outside) : outside;
+    Vec3d at_rest = within_border(index, geometry.dims());
+    return !rest || rest(index, at_rest) ? sample_trilinear(state.density, at_rest, outside)
+                                         : outside;
   };
   SliceStyle style;
   style.grey_lo = settings.level - settings.window / 2;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "volumes/field/split_offsets.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -58,6 +59,17 @@ bool OffsetField::sample(const Vec3d& pos_index, Vec3d& offset) const {
     }
   }
   return o.sample(pos_index, offset);
+}
+
+bool OffsetField::source_of(const Vec3d& x, Vec3d& source) const {
+  const Vec3i& dims = geometry.dims();
+  Vec3d offset;
+  if (!sample(x, offset) && !sample(within_border(x, dims), offset)) return false;
+  source = within_border(x + offset, dims);
+  for (int a = 0; a < 3; ++a) {
+    if (source[a] < 0 || source[a] > dims[a] - 1) return false;
+  }
+  return true;
 }
 
 }  // namespace supple

@@ -26,6 +26,10 @@ struct OffsetField {
   /// The offset at any position: that of its piece in split bricks, else trilinear as
   /// VectorBricks::sample. False where nothing is.
   bool sample(const Vec3d& pos_index, Vec3d& offset) const;
+
+  /// The place of the source that is read at x, for every reader alike: x + o(x), or the border
+  /// voxel up to half a voxel beyond it (within_border). False where nothing is, and farther out.
+  bool source_of(const Vec3d& x, Vec3d& source) const;
 };
 
 }  // namespace supple

@@ -18,7 +18,7 @@ constexpr double kC2 = 0.03 * 0.03;
 /// Rec. 709 weights on the stored (sRGB) values.
 constexpr double kRed = 0.2126, kGreen = 0.7152, kBlue = 0.0722;
 
-constexpr int kChannels = 4;
+constexpr int kColours = 3;
 
 /// Colours composited on black, and alpha, 0…1.
 cv::Mat4d on_black(const Image& image) {
@@ -88,14 +88,14 @@ Comparison compare(const Image& a, const Image& b, bool foreground_only) {
   const cv::Mat4d rgba_a = on_black(a), rgba_b = on_black(b);
   const cv::Mat1d map = ssim_map(luminance(rgba_a), luminance(rgba_b));
   Comparison result;
-  double squares = 0, similarity = 0;
+  double squares = 0, squares_of_alpha = 0, similarity = 0;
   for (int y = 0; y < a.height; ++y) {
     for (int x = 0; x < a.width; ++x) {
       const std::size_t pixel = std::size_t(y) * a.width + x;
       if (foreground_only && !is_foreground(a, pixel) && !is_foreground(b, pixel)) continue;
       const cv::Vec4d difference = rgba_a(y, x) - rgba_b(y, x);
-      for (int c = 0; c < kChannels; ++c) {
-        squares += difference[c] * difference[c];
+      for (int c = 0; c <= kColours; ++c) {
+        (c < kColours ? squares : squares_of_alpha) += difference[c] * difference[c];
         result.max_diff = std::max(result.max_diff, std::abs(difference[c]));
       }
       similarity += map(y, x);
@@ -103,8 +103,10 @@ Comparison compare(const Image& a, const Image& b, bool foreground_only) {
     }
   }
   if (result.compared_pixels > 0) {
-    result.rmse = std::sqrt(squares / (kChannels * double(result.compared_pixels)));
-    result.ssim = similarity / double(result.compared_pixels);
+    const double pixels = double(result.compared_pixels);
+    result.rmse = std::sqrt(squares / (kColours * pixels));
+    result.rmse_alpha = std::sqrt(squares_of_alpha / pixels);
+    result.ssim = similarity / pixels;
   }
   return result;
 }

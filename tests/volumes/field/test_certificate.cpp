@@ -22,7 +22,7 @@ ResidualHistogram residuals_of(const std::vector<float>& misses) {
   next = 0;
   const VectorBricks o = field_on(nodes, [&](const Vec3i&) { return Vec3f(misses[next++], 0, 0); });
   EXPECT_EQ(next, misses.size());
-  return measure_residuals(still, o, FoldedCells());
+  return measure_residuals(still, Vec3i(16), o, FoldedCells());
 }
 
 TEST(UnitInversionCertificate, PercentilesAreThoseOfTheResiduals) {
@@ -63,7 +63,7 @@ TEST(UnitInversionCertificate, SourcesFarApartAreMeasuredOffFoldsAndUnknownOnesA
     BrickMask mask{};
     mask_set(mask, brick_offset(cell));
     if (folded) folds.add(where.find(cell), mask);
-    return measure_residuals(u, o, folds).max();
+    return measure_residuals(u, Vec3i(70), o, folds).max();
   };
   EXPECT_NEAR(max_of(Vec3f(60), false), 0.5 * std::sqrt(3.0), 1e-6);
   EXPECT_EQ(max_of(Vec3f(60), true), 0.25);

@@ -126,8 +126,8 @@ TEST(PropertyInvert, ATranslationIsInvertedExactly) {
     const OffsetField field = invert(displacement_on(where, [&](const Vec3i&) { return shift; }));
     for_each_voxel(box_topology({-30, -30, -30}, {130, 30, 130}), [&](const Vec3i& x, std::size_t) {
       const Vec3d source = Vec3d(x) - Vec3d(shift);
-      const bool covered = source.x >= 0 && source.x <= 12 && source.y >= 0 && source.y <= 9 &&
-                           source.z >= 0 && source.z <= 17;
+      const bool covered = source.x >= -0.5 && source.x <= 12.5 && source.y >= -0.5 &&
+                           source.y <= 9.5 && source.z >= -0.5 && source.z <= 17.5;
       Vec3f o;
       ASSERT_EQ(field.o.at(x, o), covered) << x;
       if (covered) {

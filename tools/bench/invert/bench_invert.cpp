@@ -121,7 +121,7 @@ void run_method(const std::string& method, const Displacement& displacement, Inv
   result.cpu.ms.push_back(cpu_time_ms([&] {
     times.ms.push_back(time_ms([&] {
       if (method == "tets") {
-        result.field.o = invert_by_tetrahedra(displacement.u);
+        result.field.o = invert_by_tetrahedra(displacement);
       } else {
         result.field = invert(displacement);
       }

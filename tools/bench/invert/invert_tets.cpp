@@ -66,11 +66,12 @@ struct Worker {
 
 }  // namespace
 
-VectorBricks invert_by_tetrahedra(const VectorBricks& u) {
+VectorBricks invert_by_tetrahedra(const Displacement& displacement) {
+  const VectorBricks& u = displacement.u;
   const std::size_t count = u.topology.brick_count();
   std::vector<std::int32_t> all(count);
   std::iota(all.begin(), all.end(), 0);
-  DisplacementRanges ranges;
+  DisplacementRanges ranges(displacement.geometry.dims());
   ranges.update(u, all);
   std::vector<BrickReach> reach(count);
   tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {

@@ -7,6 +7,6 @@
 namespace supple::tools {
 
 /// Offsets at the nodes that the tetrahedra of complete cells cover, borders included.
-VectorBricks invert_by_tetrahedra(const VectorBricks& u);
+VectorBricks invert_by_tetrahedra(const Displacement& displacement);
 
 }  // namespace supple::tools

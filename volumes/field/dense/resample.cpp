@@ -226,19 +226,13 @@ ScalarSliceSource dense_resampled(const OffsetField& offsets, const DensityGrid&
 ScalarSliceSource dense_resampled(const OffsetField& offsets, const SourceDensity& density,
                                   const Geometry& grid, float fill) {
   const GridPositions positions(grid, offsets.geometry);
-  const Vec3i &dims = grid.dims(), source_dims = offsets.geometry.dims();
-  return [&offsets, density, positions, dims, source_dims, fill](int k, float* out) {
+  const Vec3i& dims = grid.dims();
+  return [&offsets, density, positions, dims, fill](int k, float* out) {
     tbb::parallel_for(0, dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
-        const Vec3d pos = positions.at(i, j, k);
-        Vec3d o, source = pos;
-        float& value = out[std::size_t(j) * dims.x + i];
-        value = fill;
-        if (!offsets.sample(pos, o)) continue;
-        source += o;
-        // A volume of one slice has nothing to interpolate across it.
-        for (int a = 0; a < 3; ++a) source[a] = source_dims[a] == 1 ? 0 : source[a];
-        value = density(source);
+        Vec3d source;
+        const bool is_seen = offsets.source_of(positions.at(i, j, k), source);
+        out[std::size_t(j) * dims.x + i] = is_seen ? density(source) : fill;
       }
     });
   };

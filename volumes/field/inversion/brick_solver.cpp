@@ -6,6 +6,7 @@
 #include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
+#include "volumes/grid/padded_rows.h"
 
 namespace supple {
 
@@ -28,6 +29,94 @@ void BrickSolver::add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o
     if (m_dims[a] == 1 && !(source[a] > -0.5 && source[a] <= 0.5)) return;
   }
   m_results.hits.push_back({node, o});
+}
+
+/// The cells at the border of the volume go on for half a voxel, as the voxels there do. What lies
+/// there is no more than the surface of tissue.
+void BrickSolver::solve_borders(const SourceCells& cells, const CellContents& contents) {
+  Vec3i lower(-1), upper(-1);  // of the cells that lie there, in the brick
+  for (int a = 0; a < 3; ++a) {
+    if (m_dims[a] == 1) continue;
+    if (cells.origin[a] == 0) lower[a] = 0;
+    upper[a] = m_dims[a] - 2 - cells.origin[a];
+  }
+  const auto is_in_brick = [](int at) { return at >= 0 && at < kBrickDim; };
+  bool is_at_border = false;
+  for (int a = 0; a < 3; ++a) is_at_border |= lower[a] == 0 || is_in_brick(upper[a]);
+  if (!is_at_border) return;
+  const std::size_t first = m_results.hits.size();
+  for_each_active(cells.mask, [&](int offset) {
+    const Vec3i at = brick_local(offset);
+    for (int n = 0; n < 27; ++n) {
+      const Vec3i side = surrounding_step(n);
+      bool is_beyond = side != Vec3i(0);
+      for (int a = 0; a < 3; ++a) {
+        is_beyond &= side[a] == 0 || at[a] == (side[a] < 0 ? lower[a] : upper[a]);
+      }
+      if (is_beyond) solve_beyond(cells, offset, side);
+    }
+  });
+  for (std::size_t n = first; n < m_results.hits.size(); ++n) {
+    auto& hit = m_results.hits[n];
+    hit.content =
+        std::min(contents.at(Vec3d(hit.node - cells.origin) + Vec3d(hit.o)), Content::surface);
+  }
+}
+
+/// The half voxel beside a cell, on the sides that are not 0.
+void BrickSolver::solve_beyond(const SourceCells& cells, int offset, const Vec3i& side) {
+  const Vec3i cell = cells.origin + brick_local(offset);
+  Vec3f shift;
+  const bool is_shifted = is_translated(cells, offset, shift);
+  if (is_shifted && shift == Vec3f(0)) return;
+  Vec3d low(0), size(1);  // of the part, in the frame of the cell
+  for (int a = 0; a < 3; ++a) {
+    if (side[a] != 0) size[a] = kBeyondBorder;
+    if (side[a] != 0) low[a] = side[a] < 0 ? -kBeyondBorder : 1;
+  }
+  const CellCorners inner = cell_corners(cells, offset);
+  CellCorners corners{};
+  for (int n = 0; n < kCellCorners; ++n) {
+    const Vec3d t = low + Vec3d(cell_corner(n)) * size;
+    for (int of = 0; of < kCellCorners; ++of) {
+      double weight = 1;
+      for (int a = 0; a < 3; ++a) weight *= cell_corner(of)[a] ? t[a] : 1 - t[a];
+      for (int a = 0; a < 3; ++a) corners.p[a][n] += weight * inner.p[a][of];
+    }
+  }
+  const IndexBox nodes = nodes_of(corners, cell);
+  if (nodes.empty()) return;
+  const bool folded = min_corner_det(corners) <= 0 || is_folded(corners);
+  const DeformedCell deformed(corners, folded);
+  const auto part_of = [&](const Vec3d& node, Vec3d& part) {
+    if (is_shifted) {
+      for (int a = 0; a < 3; ++a) part[a] = (node[a] - double(shift[a]) - low[a]) / size[a];
+      return std::min({part.x, part.y, part.z}) >= 0 && std::max({part.x, part.y, part.z}) <= 1;
+    }
+    const double tolerance = m_params.residual_tolerance_voxels;
+    auto outcome = deformed.solve(node, tolerance, m_params.max_newton_steps, part);
+    if (outcome == DeformedCell::Outcome::undecided) {
+      outcome = deformed.solve_by_bisection(node, tolerance, m_params.max_newton_steps, part);
+    }
+    return outcome == DeformedCell::Outcome::inside;
+  };
+  for (int x = nodes.lo.x; x <= nodes.hi.x; ++x) {
+    for (int y = nodes.lo.y; y <= nodes.hi.y; ++y) {
+      for (int z = nodes.lo.z; z <= nodes.hi.z; ++z) {
+        const Vec3d node(x, y, z);
+        Vec3d local;
+        if (!part_of(node, local)) continue;
+        bool is_beyond = true;
+        for (int a = 0; a < 3; ++a) {
+          local[a] = low[a] + local[a] * size[a];
+          is_beyond &= side[a] == 0 || (side[a] < 0 ? -local[a] : local[a] - 1) > 0;
+        }
+        if (!is_beyond) continue;
+        const Vec3f o = is_shifted ? Vec3f(0) - shift : Vec3f(local - node);
+        add_hit(cell + Vec3i(x, y, z), Vec3d(cell) + local, o);
+      }
+    }
+  }
 }
 
 /// All corners moved alike: o = -shift at the nodes of the moved unit cube, exactly. Those of a
@@ -121,14 +210,19 @@ BrickFindings BrickSolver::solve(const SourceCells& cells, const CellContents& c
   });
   findings.folded_cells = mask_count(folded);
   findings.folded_air_cells = findings.folded_cells - count_common(folded, contents.tissue_cells());
-  if (contents.is_all_tissue()) return findings;
+  set_contents(cells, contents);
+  solve_borders(cells, contents);
+  return findings;
+}
+
+void BrickSolver::set_contents(const SourceCells& cells, const CellContents& contents) {
+  if (contents.is_all_tissue()) return;
   for (auto& hit : m_results.hits) {
     hit.content = contents.at(Vec3d(hit.node - cells.origin) + Vec3d(hit.o));
   }
   for (OpenNode& doubt : m_results.doubts) {
     doubt.content = contents.best_in(brick_offset(doubt.cell));
   }
-  return findings;
 }
 
 bool BrickSolver::settle(const VectorBricks& u, const OpenNode& doubt, const CellContents& contents,

@@ -35,6 +35,9 @@ class BrickSolver {
  private:
   void translate_cell(const SourceCells& cells, int offset, const Vec3f& shift);
   void solve_cell(const CellCorners& corners, const Vec3i& cell, bool folded);
+  void solve_borders(const SourceCells& cells, const CellContents& contents);
+  void solve_beyond(const SourceCells& cells, int offset, const Vec3i& side);
+  void set_contents(const SourceCells& cells, const CellContents& contents);
   void add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o);
 
   const Vec3i& m_dims;

@@ -113,8 +113,30 @@ VectorRange DisplacementRanges::range(const BrickTopology& bricks, std::int32_t 
   return {Vec3f(0), Vec3f(0)};
 }
 
+/// How far the displacements of a brick may be exceeded where its cells go on beyond the border of
+/// the volume, by half their length along each axis of it.
+Vec3f DisplacementRanges::beyond_border(const Vec3i& origin, const VectorRange& moves) const {
+  float part = 0.5f;
+  bool is_at_border = false;
+  for (int a = 0; a < 3; ++a) {
+    if (!is_at_lower_border(origin, a) && !is_at_upper_border(origin, a)) continue;
+    part *= 2;
+    is_at_border = true;
+  }
+  return is_at_border ? (moves.hi - moves.lo) * (part - 0.5f) : Vec3f(0);
+}
+
+bool DisplacementRanges::is_at_lower_border(const Vec3i& origin, int axis) const {
+  return origin[axis] == 0;
+}
+
+bool DisplacementRanges::is_at_upper_border(const Vec3i& origin, int axis) const {
+  const int last_cell = m_dims[axis] - 2 - origin[axis];
+  return last_cell >= 0 && last_cell < kBrickDim;
+}
+
 IndexBox DisplacementRanges::reach(const BrickTopology& bricks, std::size_t b) const {
-  VectorRange moved;
+  VectorRange moved, moves;
   for (int n = 0; n < 8; ++n) {
     const std::int32_t upper = upper_brick(bricks, b, n);
     if (upper < 0) continue;
@@ -122,17 +144,24 @@ IndexBox DisplacementRanges::reach(const BrickTopology& bricks, std::size_t b) c
     if (at_corner.empty()) continue;
     for (int a = 0; a < 3; ++a) {
       const bool is_upper = (n >> (2 - a)) & 1;
+      moves.lo[a] = std::min(moves.lo[a], at_corner.lo[a]);
+      moves.hi[a] = std::max(moves.hi[a], at_corner.hi[a]);
       moved.lo[a] = std::min(moved.lo[a], at_corner.lo[a] + (is_upper ? kBrickDim : 0));
       moved.hi[a] = std::max(moved.hi[a], at_corner.hi[a] + (is_upper ? kBrickDim : kBrickDim - 1));
     }
   }
   IndexBox reach;
   if (moved.empty()) return reach;
+  const Vec3i& origin = bricks.origin(b);
+  const Vec3f beyond = beyond_border(origin, moves);
   for (int a = 0; a < 3; ++a) {
+    const float half = float(kBeyondBorder);
+    const float lo = moved.lo[a] - beyond[a] - (is_at_lower_border(origin, a) ? half : 0);
+    const float hi = moved.hi[a] + beyond[a] + (is_at_upper_border(origin, a) ? half : 0);
     // Room for the rounding of a deformed corner.
-    const float slack = 1e-4f + 1e-6f * std::max(std::abs(moved.lo[a]), std::abs(moved.hi[a]));
-    reach.lo[a] = bricks.origin(b)[a] + int(std::ceil(moved.lo[a] - slack));
-    reach.hi[a] = bricks.origin(b)[a] + int(std::floor(moved.hi[a] + slack));
+    const float slack = 1e-4f + 1e-6f * std::max(std::abs(lo), std::abs(hi));
+    reach.lo[a] = origin[a] + int(std::ceil(lo - slack));
+    reach.hi[a] = origin[a] + int(std::floor(hi + slack));
   }
   return reach;
 }

@@ -26,6 +26,9 @@ using BrickRanges = std::array<VectorRange, 8>;
 /// The ranges of a field. Bricks that are not stored rest, and cost 4 bytes each.
 class DisplacementRanges {
  public:
+  /// `dims`: of the volume, whose border voxels go on for half a voxel.
+  explicit DisplacementRanges(const Vec3i& dims) : m_dims(dims) {}
+
   /// Looks at these bricks of u, in which it may have changed; all others are as they were, at
   /// first at rest. Throws InputError for values that are not finite or beyond 10^6 voxels.
   void update(const VectorBricks& u, const std::vector<std::int32_t>& bricks);
@@ -38,7 +41,11 @@ class DisplacementRanges {
 
  private:
   VectorRange range(const BrickTopology& bricks, std::int32_t b, int n) const;
+  Vec3f beyond_border(const Vec3i& origin, const VectorRange& moves) const;
+  bool is_at_lower_border(const Vec3i& origin, int axis) const;
+  bool is_at_upper_border(const Vec3i& origin, int axis) const;
 
+  Vec3i m_dims;
   std::vector<std::int32_t> m_slots;  // per brick; -1: at rest
   std::vector<BrickRanges> m_ranges;
 };

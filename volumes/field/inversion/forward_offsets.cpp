@@ -19,6 +19,8 @@ constexpr int kMaxHalvings = 3;
 constexpr double kMaxStep = 4;  // voxels
 constexpr double kLeastDet = 1e-3;
 constexpr int kSeedSpacing = 4;
+// Newton may go so far beyond the border of the volume on its way, in voxels.
+constexpr double kCarriedOn = 1.5;
 
 Vec3d to_vector(const Float4& v) {
   return {double(v[0]), double(v[1]), double(v[2])};
@@ -59,7 +61,9 @@ struct InverseGradient {
 
 ForwardOffsets::ForwardOffsets(const Displacement& displacement, const BrickTopology* elements)
     : m_u(displacement.u),
+      m_dims(displacement.geometry.dims()),
       m_elements(elements),
+      m_ranges(m_dims),
       m_reach(m_u.topology.brick_count()),
       m_still(m_u.topology.brick_count()) {
   for (std::size_t b = 0; m_elements != nullptr && b < m_still.size(); ++b) {
@@ -209,7 +213,12 @@ bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corn
 /// False where a corner of the cell has no displacement. `brick`: one that is likely to hold y, or
 /// -1; then the one that does.
 bool ForwardOffsets::place_at(const Vec3d& y, std::int32_t& brick, Place& place) const {
-  const Vec3i voxel = floor_voxel(y);
+  Vec3i voxel = floor_voxel(y);
+  for (int a = 0; a < 3; ++a) {
+    const int last_cell = std::max(m_dims[a] - 2, 0);
+    if (y[a] < 0 && y[a] >= -kCarriedOn) voxel[a] = 0;
+    if (voxel[a] > last_cell && y[a] <= m_dims[a] - 1 + kCarriedOn) voxel[a] = last_cell;
+  }
   if (brick < 0 || m_u.topology.origin(std::size_t(brick)) != brick_origin(voxel)) {
     brick = m_u.topology.find(voxel);
   }
@@ -234,6 +243,14 @@ void ForwardOffsets::set_derivatives(const Float4 (&corners)[8], const Vec3f& f,
   place.along[2] = to_vector(d.along_z);
 }
 
+/// Where the border voxels have ended, too.
+bool ForwardOffsets::is_beyond_border(const Vec3d& y) const {
+  for (int a = 0; a < 3; ++a) {
+    if (y[a] < -kBeyondBorder || y[a] > m_dims[a] - 1 + kBeyondBorder) return true;
+  }
+  return false;
+}
+
 /// Newton from x + offset; steps that leave the material are halved.
 bool ForwardOffsets::solve(const Vec3d& x, const Vec3d& offset, Sample& found) const {
   Vec3d y = x + offset, before = y;
@@ -256,7 +273,7 @@ bool ForwardOffsets::solve(const Vec3d& x, const Vec3d& offset, Sample& found) c
     const double size = largest(step);
     if (size <= kLastStep) {
       found = {y - step - x, place.piece};
-      return true;
+      return !is_beyond_border(y - step);
     }
     y -= size > kMaxStep ? step * (kMaxStep / size) : step;
   }

@@ -66,9 +66,11 @@ class ForwardOffsets final : public PointwiseOffsets {
   static void set_derivatives(const Float4 (&corners)[8], const Vec3f& f, Place& place);
   bool place_at(const Vec3d& y, std::int32_t& brick, Place& place) const;
   bool corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corners)[8]) const;
+  bool is_beyond_border(const Vec3d& y) const;
   bool solve(const Vec3d& x, const Vec3d& offset, Sample& found) const;
 
   const VectorBricks& m_u;
+  const Vec3i m_dims;
   const BrickTopology* m_elements;
   DisplacementRanges m_ranges;
   std::vector<IndexBox> m_reach;          // nodes that their cells reach

@@ -51,7 +51,7 @@ struct Inversion::Worker {
 };
 
 Inversion::Inversion(const Vec3i& dims, const InvertParams& params)
-    : m_dims(dims), m_params(params) {
+    : m_dims(dims), m_params(params), m_ranges(dims) {
   if (is_flat(dims) && params.material != nullptr) m_slice = thickened(*params.material, dims);
 }
 
@@ -181,7 +181,7 @@ VectorBricks Inversion::solve(const VectorBricks& u, Progress* progress) {
   m_sources.clear();
   m_source_of.assign(count, -1);
   m_resting_cells.assign(count, 0);
-  m_ranges = {};
+  m_ranges = DisplacementRanges(m_dims);
   // The copies of a slice count as moving, so that nothing comes from them.
   const std::vector<std::int32_t> moving =
       is_flat(m_dims) ? all_numbers<std::int32_t>(count) : bricks_that_move(u);

@@ -11,16 +11,37 @@
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
+#include "volumes/grid/cell.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
 namespace {
 
-/// u at the source position of `offset`, which rounding may have pushed just over the border of the
-/// valid cells.
-bool sample_at_border(const VectorBricks& u, Vec3d pos, const Vec3f& offset, Vec3d& vector) {
-  if (u.sample(pos, vector)) return true;
+/// u up to half a voxel beyond the border of the volume, where the cells there go on.
+bool sample_beyond(const VectorBricks& u, const Vec3i& dims, const Vec3d& pos, Vec3d& vector) {
+  const Vec3d inside = within_border(pos, dims);
+  if (inside == pos) return false;
+  Vec3i cell(int(std::floor(inside.x)), int(std::floor(inside.y)), int(std::floor(inside.z)));
+  for (int a = 0; a < 3; ++a) cell[a] = std::max(std::min(cell[a], dims[a] - 2), 0);
+  Vec3f lowest(0), corner;
+  if (!u.at(cell, lowest)) return false;
+  vector = Vec3d(lowest);
+  for (int n = 1; n < kCellCorners; ++n) {
+    const Vec3i step = cell_corner(n);
+    if (!u.at(cell + step, corner)) return false;
+    double weight = 1;
+    for (int a = 0; a < 3; ++a) weight *= step[a] ? pos[a] - cell[a] : 1 - (pos[a] - cell[a]);
+    vector += Vec3d(corner - lowest) * weight;
+  }
+  return true;
+}
+
+/// u at the source position of `offset`, which may lie beyond the border of the volume, or which
+/// rounding may have pushed just over that of the valid cells.
+bool sample_at_border(const VectorBricks& u, const Vec3i& dims, Vec3d pos, const Vec3f& offset,
+                      Vec3d& vector) {
+  if (u.sample(pos, vector) || sample_beyond(u, dims, pos, vector)) return true;
   const double slack = 1e-5 + 1e-6 * double(offset.length());
   for (int a = 0; a < 3; ++a) {
     const double nearest = std::round(pos[a]);
@@ -38,7 +59,8 @@ bool starts_in_folded_cell(const VectorBricks& u, const FoldedCells& folded, con
 /// Residuals of one output brick after the other, with the memory for it.
 class Probe {
  public:
-  Probe(const VectorBricks& u, const FoldedCells& folded) : m_u(u), m_folded(folded) {}
+  Probe(const VectorBricks& u, const Vec3i& dims, const FoldedCells& folded)
+      : m_u(u), m_dims(dims), m_folded(folded) {}
 
   void measure_brick(const Vec3i& origin, const VectorBrickView& offsets,
                      ResidualHistogram& histogram);
@@ -49,6 +71,7 @@ class Probe {
   void measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram& histogram) const;
 
   const VectorBricks& m_u;
+  const Vec3i m_dims;
   const FoldedCells& m_folded;
   SourceWindow m_window;
   std::array<float, kBrickVoxels> m_residuals;
@@ -58,7 +81,7 @@ class Probe {
 void Probe::measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram& histogram) const {
   if (starts_in_folded_cell(m_u, m_folded, pos)) return;
   Vec3d moved;
-  const bool known = sample_at_border(m_u, pos, offset, moved);
+  const bool known = sample_at_border(m_u, m_dims, pos, offset, moved);
   histogram.add(known ? float((Vec3d(offset) + moved).length())
                       : std::numeric_limits<float>::infinity());
 }
@@ -163,9 +186,9 @@ double ResidualHistogram::percentile(double part) const {
   return m_max;
 }
 
-ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o,
+ResidualHistogram measure_residuals(const VectorBricks& u, const Vec3i& dims, const VectorBricks& o,
                                     const FoldedCells& folded) {
-  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, folded); });
+  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, dims, folded); });
   using Range = tbb::blocked_range<std::size_t>;
   return tbb::parallel_reduce(
       Range(0, o.topology.brick_count(), 16), ResidualHistogram{},
@@ -183,11 +206,12 @@ ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o
       });
 }
 
-std::vector<BrickResiduals> measure_bricks(const VectorBricks& u, const std::vector<Vec3i>& origins,
+std::vector<BrickResiduals> measure_bricks(const VectorBricks& u, const Vec3i& dims,
+                                           const std::vector<Vec3i>& origins,
                                            const VectorBrickFinder& offsets,
                                            const FoldedCells& folded) {
   std::vector<BrickResiduals> residuals(origins.size());
-  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, folded); });
+  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, dims, folded); });
   tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t n) {
     ResidualHistogram histogram;
     probes.local().measure_brick(origins[n], offsets(origins[n]), histogram);

@@ -39,12 +39,13 @@ class ResidualHistogram {
   float m_max = 0;
 };
 
-/// Residuals over the nodes of `o` whose source cell is not folded.
-ResidualHistogram measure_residuals(const VectorBricks& u, const VectorBricks& o,
+/// Residuals over the nodes of `o` whose source cell is not folded. `dims`: of the volume.
+ResidualHistogram measure_residuals(const VectorBricks& u, const Vec3i& dims, const VectorBricks& o,
                                     const FoldedCells& folded);
 
 /// The same brick by brick, of the bricks at `origins`, all of which `offsets` finds.
-std::vector<BrickResiduals> measure_bricks(const VectorBricks& u, const std::vector<Vec3i>& origins,
+std::vector<BrickResiduals> measure_bricks(const VectorBricks& u, const Vec3i& dims,
+                                           const std::vector<Vec3i>& origins,
                                            const VectorBrickFinder& offsets,
                                            const FoldedCells& folded);
 

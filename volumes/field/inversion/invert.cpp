@@ -34,7 +34,7 @@ OffsetField invert(const Displacement& displacement, const InvertParams& params,
   OffsetField field{displacement.geometry, inversion.solve(u, progress), {}};
   field.certificate = inversion.certificate();
   field.overlaps = inversion.overlaps();
-  add_residuals(measure_residuals(u, field.o, inversion.folded()), field.certificate);
+  add_residuals(measure_residuals(u, dims, field.o, inversion.folded()), field.certificate);
   report(progress, 1);
   return field;
 }
@@ -129,7 +129,8 @@ void IncrementalInversion::Impl::measure(const VectorBricks& u) {
   }
   const FoldedCells folded = fresh.empty() ? FoldedCells() : inversion.folded();
   std::vector<BrickResiduals> of_bricks = measure_bricks(
-      u, fresh_origins, [this](const Vec3i& origin) { return find(origin); }, folded);
+      u, geometry.dims(), fresh_origins, [this](const Vec3i& origin) { return find(origin); },
+      folded);
   for (std::size_t n = 0; n < fresh.size(); ++n) {
     Brick& brick = *bricks[fresh[n]];
     brick.residuals = std::move(of_bricks[n]);

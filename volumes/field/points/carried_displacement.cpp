@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/field/inversion/source_cells.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -29,7 +30,7 @@ double depth_at(const CutPiece& piece, const Vec3d& t) {
 }  // namespace
 
 CarriedDisplacement::CarriedDisplacement(const Displacement& displacement, const CutElements& body)
-    : m_u(thickened(displacement.u, displacement.geometry.dims())), m_smooth(m_u) {
+    : m_dims(displacement.geometry.dims()), m_u(thickened(displacement.u, m_dims)), m_smooth(m_u) {
   if (body.cuts.empty()) return;
   const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
   TornCells torn(cut.cells());
@@ -98,7 +99,9 @@ CarriedDisplacement::Place CarriedDisplacement::at(const Vec3d& X) const {
     }
     place.is_torn = deepest < 0;
   } else {
-    place.is_known = is_known(voxel, t);
+    const Vec3d inside = within_border(near, m_dims);
+    const Vec3i known = floor_voxel(inside);
+    place.is_known = is_known(known, inside - Vec3d(known));
   }
   static_cast<CellPlace&>(place) = corners.at(t);
   place.is_folded = corners.is_folded();

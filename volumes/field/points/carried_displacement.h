@@ -47,6 +47,7 @@ class CarriedDisplacement {
   bool is_known(const Vec3i& voxel, const Vec3d& t) const;
   void tear(const std::vector<TornCell>& torn, const CutFaces& faces);
 
+  Vec3i m_dims;
   VectorBricks m_u;
   SmoothExtension m_smooth;
   std::unordered_map<Vec3i, std::vector<CutPiece>, VoxelHash> m_sides;  // of torn cells
