@@ -170,10 +170,13 @@ NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, con
   out.force_mn.assign(unknowns, 0);
   for (const ForceOnElements& force : loads.forces) {
     require_finite(force.force_n, "force");
-    const std::vector<NodeIndex> nodes = nodes_of_elements(voxels, force.elements, nullptr);
-    for (const NodeIndex node : nodes) {
-      add_to_node(force.force_n * (kMnPerN / double(nodes.size())), node, out.force_mn);
-    }
+    std::int64_t elements = 0;
+    for_each_element(voxels, force.elements, [&](std::int32_t, std::int32_t) { ++elements; });
+    const Vec3d share = force.force_n * (kMnPerN / double(8 * elements));
+    for_each_element(voxels, force.elements, [&](std::int32_t block, std::int32_t e) {
+      const Corners corners = voxels.corners_in(std::size_t(block), e);
+      for (int c = 0; c < 8; ++c) add_to_node(share, corners[c], out.force_mn);
+    });
   }
   for (const PressureOnFaces& pressure : loads.face_pressures) {
     require_finite(Vec3d(pressure.pressure_kpa), "pressure");

@@ -29,7 +29,7 @@ struct HeldElements {
   std::function<bool(const Vec3d& rest_mm)> holds_node;
 };
 
-/// A force that is shared equally by the nodes of the elements.
+/// A force that the elements share by their volume, and each of them by its corners.
 struct ForceOnElements {
   SlotSet elements;
   Vec3d force_n{0, 0, 0};  // in all, LPS

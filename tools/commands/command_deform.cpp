@@ -224,6 +224,7 @@ int run_deform(DeformOptions& options, const GlobalOptions& global, Console& con
   if (options.dry_run) return tell_plan(scene, "", global, console);
   console.claim(plan.files());
   SceneRun run(scene, "", true, console);
+  require_memory(scene, run, console);
   run.run();
   if (global.json) {
     print_json(*run.session(), scene.output.state, *run.certificate());

@@ -191,6 +191,7 @@ int run_render(RenderOptions& options, const GlobalOptions& global, Console& con
   if (options.dry_run) return tell_plan(scene, "", global, console);
   console.claim(plan.files());
   SceneRun run(scene, "", false, console);
+  require_memory(scene, run, console);
   run.run();
   if (global.json) {
     const SceneView& view = scene.views.front();

@@ -140,6 +140,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   }
   console.claim(plan.files());
   SceneRun run(scene, options.folder, global.json, console);
+  require_memory(scene, run, console);
   std::optional<ScenePlan> scene_plan;
   const double opened_s = processor_seconds();
   if (options.tells_plan) scene_plan = plan_of(scene, run, console);
