@@ -89,6 +89,22 @@ std::vector<float> channel_of(const std::string& path, const char* name) {
 
 }  // namespace
 
+TEST_F(PropertyFilm, ADryRunFindsWhatTheFilmWouldRefuseAndNothingIsLeftBehind) {
+  const auto expect_refused = [&](const std::string& view, const std::string& found) {
+    write_film("[[view]]\nimage = \"a_%02d.exr\"\nsize = [48, 40]\n" + view);
+    for (const bool is_dry : {true, false}) {
+      const Outcome outcome =
+          run("out", is_dry ? std::vector<std::string>{"--dry-run"} : std::vector<std::string>{});
+      EXPECT_EQ(outcome.exit_code, 3) << view;
+      EXPECT_NE(outcome.err.find(found), std::string::npos) << outcome.err;
+    }
+    EXPECT_FALSE(std::filesystem::exists(m_folder / "out"));
+  };
+  expect_refused("aux = [\"motion\", \"offset\"]\n", "offset_max: found none beside offsets");
+  expect_refused("aux = [\"motion\", \"id\"]\n", "aux: found id without labels or meshes");
+  expect_refused("overlay = \"displacement\"\n", "overlay_range: found none beside displacements");
+}
+
 TEST_F(PropertyFilm, AFilmThatWasKilledGoesOnWithTheSameBytes) {
   write_film();
   const Outcome whole = run("whole");

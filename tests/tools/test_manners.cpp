@@ -174,6 +174,25 @@ TEST_F(UnitManners, ADryRunChecksHandlesAgainstTheVolume) {
   EXPECT_FALSE(std::filesystem::exists(m_folder / "out"));
 }
 
+TEST_F(UnitManners, ADryRunNeedsNoOutputAndMindsNoneThatExists) {
+  const std::string existing = m_folder / "d.vdb";
+  write_text(existing, "kept");
+  const auto dry = [&](std::vector<std::string> words) {
+    words.push_back("--dry-run");
+    const Outcome outcome = run_supple(words);
+    EXPECT_EQ(outcome.exit_code, 0) << words.front() << outcome.err;
+    return outcome.out;
+  };
+  const std::string ball = m_folder / "ball.nhdr";
+  EXPECT_NE(dry({"deform", ball, "--grab", "8,8,8", "--by", "1,0,0"}).find("state.vdb"),
+            std::string::npos);
+  dry({"deform", ball, "--grab", "8,8,8", "--by", "1,0,0", "-o", existing});
+  dry({"render", ball});
+  EXPECT_EQ(read_text(existing), "kept");
+  expect(run_supple({"deform", ball, "--grab", "8,8,8", "--by", "1,0,0"}), 2,
+         {"--output is required"});
+}
+
 TEST_F(UnitManners, ANamedViewMayHaveAnAngleAndOtherWordsForItsSide) {
   const std::string view = "[[view]]\nimage = \"a.png\"\nsize = [48, 48]\ncamera = ";
   const auto picture = [&](const std::string& camera) {

@@ -219,8 +219,12 @@ void print_json(const Session& session, const std::string& output,
 }
 
 int run_deform(DeformOptions& options, const GlobalOptions& global, Console& console) {
+  if (options.output.empty()) {
+    if (!options.dry_run) throw UsageError("--output is required");
+    options.output = "state.vdb";
+  }
   const Scene scene = to_scene(options);
-  const OutputPlan plan = check_scene(scene, "", global);
+  const OutputPlan plan = check_scene(scene, "", global.overwriting(options.dry_run));
   if (options.dry_run) return tell_plan(scene, "", global, console);
   console.claim(plan.files());
   SceneRun run(scene, "", true, console);
@@ -290,8 +294,7 @@ Command add_deform(CLI::App& program) {
                 "Bones and the sides of cuts pass through each other");
   app->add_flag("--dry-run", options->dry_run,
                 "Print what would be held and computed, and why; write nothing");
-  app->add_option("-o,--output", options->output, "State file to write")
-      ->required()
+  app->add_option("-o,--output", options->output, "State file to write; not for --dry-run")
       ->option_text("STATE.vdb");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_deform(*options, global, console);

@@ -180,6 +180,7 @@ void print_camera(const Scene& scene) {
 }
 
 int run_render(RenderOptions& options, const GlobalOptions& global, Console& console) {
+  if (options.output.empty() && options.dry_run) options.output = "picture.png";
   const Scene scene = to_scene(options);
   if (options.prints_camera) {
     print_camera(scene);
@@ -187,7 +188,7 @@ int run_render(RenderOptions& options, const GlobalOptions& global, Console& con
   }
   if (options.output.empty()) throw UsageError("--output is required");
   check_options(scene);
-  const OutputPlan plan = check_scene(scene, "", global);
+  const OutputPlan plan = check_scene(scene, "", global.overwriting(options.dry_run));
   if (options.dry_run) return tell_plan(scene, "", global, console);
   console.claim(plan.files());
   SceneRun run(scene, "", false, console);

@@ -121,7 +121,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   GlobalOptions global = given;
   choose_frames(scene, options, global);
   if (!options.allow_outside) require_inside(scene, options.folder);
-  const OutputPlan plan = files_of(scene, options, global);
+  const OutputPlan plan = files_of(scene, options, global.overwriting(options.dry_run));
   const double unchosen_s = processor_seconds();
   CancelOnly progress(console);  // the run opens the volume once more, and tells
   const std::optional<MethodChoice> choice = choose_method(options.wanted, scene, progress);

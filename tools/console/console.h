@@ -28,6 +28,13 @@ struct GlobalOptions {
   bool json = false;
   bool force = false;
   LogLevel log_level = LogLevel::info;
+
+  /// With files that may be overwritten, as by a run that writes none, or as they are.
+  GlobalOptions overwriting(bool may) const {
+    GlobalOptions changed = *this;
+    changed.force = force || may;
+    return changed;
+  }
 };
 
 class Console final : public Progress {

@@ -90,24 +90,23 @@ void SceneRun::run_film() {
   for (std::size_t n = 0; n < still; ++n) {
     solve(n);
   }
+  // Cameras are framed by the first frame, whichever frames are made.
+  std::vector<std::unique_ptr<FilmView>> views;
+  const int first = m_scene.film->frames_to_make.empty() ? 0 : pose_frame(0);
+  for (const SceneView& view : m_scene.views) {
+    if (m_scene.film->frames_to_make.empty()) break;
+    const Drawn drawn = drawn_after(first, view);
+    views.push_back(
+        std::make_unique<FilmView>(drawn.subject, drawn.view, *m_scene.film, &m_drawn, m_console));
+    m_own.reset();
+  }
   make_folders();
   write_film_record(m_scene, m_folder);
-  if (!m_scene.film->frames_to_make.empty()) {
-    // Cameras are framed by the first frame, whichever frames are made.
-    std::vector<std::unique_ptr<FilmView>> views;
-    const int first = pose_frame(0);
-    for (const SceneView& view : m_scene.views) {
-      const Drawn drawn = drawn_after(first, view);
-      views.push_back(std::make_unique<FilmView>(drawn.subject, drawn.view, *m_scene.film, &m_drawn,
-                                                 m_console));
-      m_own.reset();
-    }
-    for (const int frame : m_scene.film->frames_to_make) {
-      try {
-        make_frame(frame, views);
-      } catch (const InputError& error) {
-        throw in_frame(frame, error);
-      }
+  for (const int frame : m_scene.film->frames_to_make) {
+    try {
+      make_frame(frame, views);
+    } catch (const InputError& error) {
+      throw in_frame(frame, error);
     }
   }
   m_console.tell_repeats();

@@ -243,19 +243,13 @@ class ViewDrawing {
     const bool is_moved = m_subject.offsets != nullptr || m_subject.displacement != nullptr;
     require(is_moved || !shows("offset"), "aux", "no offsets to show",
             "a deformed state, or a volume through a warp");
-    const bool colours_offsets = shows("offset") || (m_view.marks.arrows_mm && !m_view.slice);
-    require(m_options.film == 0 || !colours_offsets || m_options.offset_max_mm > 0, "offset_max",
-            "none beside offsets in a film", "mm, the same in all frames");
     const bool has_motion = shows("motion");
     require(!has_motion || m_view.path.empty(), "aux", "motion along sampling paths",
             "a body without");
     const bool solves = m_subject.displacement != nullptr && m_subject.offsets == nullptr;
     require(!(has_motion || shows("id")) || !solves, "aux", "motion or id without an inverse",
             "inverse = true");
-    const bool has_ids =
-        !m_view.meshes.empty() || (m_subject.labels != nullptr && !m_subject.labels->empty());
-    require(!shows("id") || has_ids, "aux", "id without labels or meshes",
-            "[labels] in the scene, or meshes in the view");
+    check_ids(m_view, m_subject.labels != nullptr && !m_subject.labels->empty());
     require(is_moved || !m_view.marks.arrows_mm || m_view.slice, "arrows", "nothing that has moved",
             "a deformed state or a warp");
     const TissueMarks& marks = m_view.slice ? m_view.slice->marks : m_view.marks;
@@ -264,8 +258,6 @@ class ViewDrawing {
             "a deformed state or a warp");
     require(!m_view.outline || m_subject.outlined != nullptr, "outline", "a volume, not a body",
             "a deformed state");
-    require(m_options.film == 0 || !marks.shows_displacement() || marks.overlay_range,
-            "overlay_range", "none beside displacements in a film", "mm, the same in all frames");
     const bool is_flat = m_view.lattice || m_view.slice;
     require(!is_flat || m_options.aux.empty(), "aux", "a lattice or slices to draw",
             "a picture of a volume");

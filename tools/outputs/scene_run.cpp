@@ -68,6 +68,8 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, const Glob
   for (const SceneView& view : scene.views) {
     check_view(view);
     check_inverse(view, scene.path);
+    // A state may hold labels.
+    check_ids(view, !scene.labels_path.empty() || is_state_file(scene.volume_path));
     if (!scene.film) plan.add_pictures(view.picture, path_in(folder, view.image));
   }
   if (scene.film) {

@@ -87,7 +87,29 @@ void check_inverse(const SceneView& view, const std::vector<OffsetFunction>& fun
                     "inverse = true, or a deformed state alone"});
 }
 
+void check_ids(const SceneView& view, bool has_labels) {
+  if (!view.picture.shows("id") || !view.meshes.empty() || has_labels) return;
+  throw InputError({view.place, "aux", "id without labels or meshes",
+                    "[labels] in the scene, or meshes in the view"});
+}
+
+/// Colours mean the same in all frames of a film.
+void check_film_colours(const SceneView& view) {
+  const PictureOptions& options = view.picture;
+  if (options.film == 0) return;
+  const char* const wanted = "mm, the same in all frames";
+  const bool colours_offsets = options.shows("offset") || (view.marks.arrows_mm && !view.slice);
+  if (colours_offsets && options.offset_max_mm <= 0) {
+    throw InputError({view.place, "offset_max", "none beside offsets in a film", wanted});
+  }
+  const TissueMarks& marks = view.slice ? view.slice->marks : view.marks;
+  if (marks.shows_displacement() && !marks.overlay_range) {
+    throw InputError({view.place, "overlay_range", "none beside displacements in a film", wanted});
+  }
+}
+
 void check_view(const SceneView& view) {
+  check_film_colours(view);
   try {
     if (!view.preset.empty()) preset(view.preset);
     view_settings(view).validate();

@@ -41,6 +41,8 @@ TransferFunction look_of(const SceneView& view);
 void check_inverse(const SceneView& view, const std::vector<OffsetFunction>& functions);
 /// Checks the settings that do not depend on the volume, with the view's place in errors.
 void check_view(const SceneView& view);
+/// Throws InputError where numbers of labels and meshes are asked for and there are none.
+void check_ids(const SceneView& view, bool has_labels);
 /// The view as it will be drawn: one-slice bodies as lattices, and where no preset is named Bone
 /// if densities reach below -200, as Hounsfield units of air do, else MR-Default.
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
