@@ -48,9 +48,15 @@ if(SUPPLE_LEVELS)
   endforeach()
 endif()
 install(TARGETS ${plugins} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/supple)
-set_target_properties(supple PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
-install(TARGETS supple RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(FILES LICENSE CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+set_target_properties(supple supple-examples PROPERTIES
+  INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+install(TARGETS supple supple-examples RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# Pages with the scenes, materials and cameras that they name, without their pictures.
+install(FILES CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN "*.png" EXCLUDE)
+install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
+set(CPACK_PACKAGE_CONTACT "Supple developers <supple@example.org>")
 # The program writes its manual page and completions itself.
 install(CODE "
   foreach(page \"manual|${CMAKE_INSTALL_MANDIR}/man1/supple.1\"
@@ -61,7 +67,14 @@ install(CODE "
     execute_process(COMMAND ${PROJECT_BINARY_DIR}/bin/supple help --\${kind}
                     OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
     file(WRITE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${place}\" \"\${text}\")
-  endforeach()")
+  endforeach()
+  set(changelog \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DOCDIR}/changelog\")
+  string(TIMESTAMP date \"%a, %d %b %Y %H:%M:%S +0000\" UTC)
+  file(WRITE \"\${changelog}\" \"supple (${PROJECT_VERSION}) unstable; urgency=medium\\n\\n\"
+    \"  * See CHANGELOG.md.\\n\\n -- ${CPACK_PACKAGE_CONTACT}  \${date}\\n\")
+  execute_process(COMMAND gzip -9nf \"\${changelog}\"
+    \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_MANDIR}/man1/supple.1\"
+    COMMAND_ERROR_IS_FATAL ANY)")
 
 # Headers: `#include "volumes/…"` of the source becomes `#include <supple/volumes/…>`.
 set(SUPPLE_HEADER_FOLDERS volumes lib raycast)
@@ -78,6 +91,9 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/suppleConfigVersion.cmake
   COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/suppleConfig.cmake ${PROJECT_BINARY_DIR}/suppleConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/supple)
+# Found from where the file lies, so that an installed tree may be moved.
+file(RELATIVE_PATH SUPPLE_PREFIX_OF_PC /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+string(REGEX REPLACE "/$" "" SUPPLE_PREFIX_OF_PC "${SUPPLE_PREFIX_OF_PC}")
 configure_file(cmake/supple.pc.in ${PROJECT_BINARY_DIR}/supple.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/supple.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
@@ -85,12 +101,15 @@ install(FILES ${PROJECT_BINARY_DIR}/supple.pc DESTINATION ${CMAKE_INSTALL_LIBDIR
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME supple)
 set(CPACK_PACKAGE_VENDOR "Supple")
-set(CPACK_PACKAGE_CONTACT "the Supple developers <supple@localhost>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Supple drags, cuts and relaxes the voxels of a scan themselves, by Enhanced ChainMail,
+relaxation, springs and finite elements, and shows them deformed without resampling.
+Deformations go to ITK, elastix, 3D Slicer and ANTs as offset fields.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libimath-dev, ffmpeg")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

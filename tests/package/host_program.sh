@@ -17,6 +17,7 @@ else
   (cd "$work" && cpack --config "$build/CPackConfig.cmake" -B "$work" -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip >"$work/cpack.log" 2>&1) ||
     { cat "$work/cpack.log"; exit 1; }
   dpkg -x "$work"/*.deb "$work/root"
+  if command -v lintian >/dev/null; then lintian --fail-on error --allow-root "$work"/*.deb; fi
   dpkg -I "$work"/*.deb | grep -E '^ (Package|Version|Depends)'
   prefix="$work/root/usr"
   build_type= examples="info drag_and_export own_offsets"  # some, once more, without optimiser
@@ -55,6 +56,11 @@ EOF
 bin="$work/host/build"
 supple="$prefix/bin/supple"
 set -x
+if command -v pkg-config >/dev/null; then                     # wherever the tree lies
+  export PKG_CONFIG_PATH="$(dirname "$(find "$prefix" -name supple.pc)")"
+  g++ -std=c++17 "$work/host/info.cpp" $(pkg-config --cflags --libs supple) -o by_pkg_config
+  ./by_pkg_config ball.nhdr
+fi
 "$bin/info" ball.nhdr
 "$bin/drag_and_export" ball.nhdr 12 12 16 0 2 0 warp.nrrd
 "$bin/drag_and_export" ball.nhdr 12 12 16 0 2 0 warp.h5       # through the plugin of HDF5
@@ -66,10 +72,13 @@ if [ "$way" = install ]; then
   "$bin/own_model" ball.nhdr 12 12 16
   mkdir in out && cp ball.* in && "$bin/batch" in out && test -s out/ball.png
 fi
+"$prefix/bin/supple-examples" phantom t-shape t.png        # README's first try
+"$supple" deform t.png --grab 40,25,0 --by 5,0,0 --fix 0,0,0:0,49,0 -o t.vdb
+test -s "$prefix/share/doc/supple/docs/scenes/ct_head_material.toml"
 "$supple" deform ball.nhdr --grab 12,12,16 --by 0,2,0 -o ball.vdb
 "$bin/drag_and_export" ball.vdb 12 12 16 0 1 0 further.nrrd   # continues the state
 "$supple" info warp.h5
-grep -q springs "$prefix/share/man/man1/supple.1"
+zgrep -q springs "$prefix/share/man/man1/supple.1.gz"
 grep -q springs-time "$prefix/share/bash-completion/completions/supple"
 "$supple" convert ball.nhdr ball.h5 && "$bin/info" ball.h5
 for dicom in /usr/lib/python3/dist-packages/pydicom/data/test_files/CT_small.dcm; do
