@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace supple {
 
@@ -148,6 +149,15 @@ class PieceContact::Pair {
 
   bool may_meet() const { return !m_near.empty() || !m_other_near.empty(); }
 
+  /// None where these may lie at the end of the way as they do.
+  std::optional<PieceMeeting> meeting() {
+    const auto [overlap, voxel] = deepest(1);
+    if (overlap <= limit_at(1)) return std::nullopt;
+    PieceStop stop;
+    shorten(stop);
+    return PieceMeeting{int(m_piece), int(m_other), voxel, overlap, stop.part};
+  }
+
   /// Shortens `stop` to where these meet before; false where they do not. What has been found free
   /// is not looked at again.
   bool shorten(PieceStop& stop) {
@@ -181,12 +191,15 @@ class PieceContact::Pair {
     return std::min(double(place) / kPlaces, most_voxels) / m_length_voxels;
   }
 
-  bool is_met(std::int64_t place, double most_voxels) const {
-    const double part = part_at(place, most_voxels);
+  double limit_at(double part) const {
     const Turn turn = m_way(m_piece, part).turn * m_way(m_other, part).turn.inverse();
     const double turned = turn.turns() ? std::min(1.0, turn.angle_deg() / kTurnedDegrees) : 0;
     const double most = kShiftedOverlap + turned * (kTurnedOverlap - kShiftedOverlap);
-    const double limit = std::max(most, m_at_start);
+    return std::max(most, m_at_start);
+  }
+
+  bool is_met(std::int64_t place, double most_voxels) const {
+    const double part = part_at(place, most_voxels), limit = limit_at(part);
     return deepest(part, limit).first > limit;
   }
 
@@ -284,7 +297,8 @@ const PieceShape& PieceContact::shape(const Body& body, std::size_t piece) {
   return *shape;
 }
 
-PieceStop PieceContact::first_stop(const Body& body, const PieceWay& way) {
+/// Those of pieces that move against each other and may meet.
+std::vector<PieceContact::Pair> PieceContact::pairs(const Body& body, const PieceWay& way) {
   const std::size_t count = body.rigid.list.size();
   std::vector<std::pair<RigidPose, RigidPose>> ends;
   for (std::size_t n = 0; n < count; ++n) ends.emplace_back(way(n, 0), way(n, 1));
@@ -300,12 +314,25 @@ PieceStop PieceContact::first_stop(const Body& body, const PieceWay& way) {
       if (pair.may_meet()) pairs.push_back(std::move(pair));
     }
   }
+  return pairs;
+}
+
+PieceStop PieceContact::first_stop(const Body& body, const PieceWay& way) {
+  std::vector<Pair> pairs = this->pairs(body, way);
   PieceStop stop;
   for (bool is_shortened = true; is_shortened;) {
     is_shortened = false;
     for (Pair& pair : pairs) is_shortened = pair.shorten(stop) || is_shortened;
   }
   return stop;
+}
+
+std::vector<PieceMeeting> PieceContact::meetings(const Body& body, const PieceWay& way) {
+  std::vector<PieceMeeting> found;
+  for (Pair& pair : pairs(body, way)) {
+    if (const auto meeting = pair.meeting()) found.push_back(*meeting);
+  }
+  return found;
 }
 
 }  // namespace supple

@@ -37,6 +37,14 @@ struct PieceStop {
   double way_mm = 0;  // of that voxel before the other piece
 };
 
+/// Two pieces that lie deeper in each other at the end of a way than they may.
+struct PieceMeeting {
+  int piece = -1, other = -1;  // in Body::rigid
+  Vec3i voxel{0, 0, 0};        // of `piece` at rest, which lies deepest in `other`
+  double overlap_voxels = 0;
+  double part = 0;  // of the way, that these two leave each other
+};
+
 /// The voxels of a piece at rest.
 class PieceShape {
  public:
@@ -70,8 +78,12 @@ class PieceContact {
   /// is at its start stops nothing as long as it does not grow; beyond a voxel it cannot.
   PieceStop first_stop(const Body& body, const PieceWay& way);
 
+  /// The pairs of pieces that the end of a way leaves too deep in each other.
+  std::vector<PieceMeeting> meetings(const Body& body, const PieceWay& way);
+
  private:
   class Pair;
+  std::vector<Pair> pairs(const Body& body, const PieceWay& way);
   const PieceShape& shape(const Body& body, std::size_t piece);
 
   std::map<const SlotSet*, std::unique_ptr<PieceShape>> m_shapes;

@@ -2,34 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <unordered_set>
-#include <vector>
-
-#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
 namespace {
 
-using VoxelSet = std::unordered_set<Vec3i, VoxelHash>;
-
 Vec3d place_of(const Body& body, const Vec3i& voxel) {
   Vec3d at(voxel);
   for (int c = 0; c < 3; ++c) at[c] += double(body.offset(voxel, c)) / kFixedOne;
-  return at;
+  return body.geometry.world_from_index(at);
 }
 
-struct PlacedBone {
-  VoxelSet voxels;
-  Vec3i lo, hi;
-  /// From where the bone is to where it was, in mm.
-  RigidMotion back;
-};
+}  // namespace
 
-std::vector<PlacedBone> bones_of(const Body& body) {
-  std::vector<PlacedBone> bones;
+OverlapJudge::OverlapJudge(const Body& body) : m_geometry(body.geometry) {
   for (const RigidPiece& piece : body.rigid.list) {
-    PlacedBone bone{{}, Vec3i(1 << 20), Vec3i(-(1 << 20)), {}};
+    Bone bone{{}, {}, Vec3i(1 << 20), Vec3i(-(1 << 20)), {}};
     RigidFit fit;
     piece.elements->for_each([&](Slot slot) {
       const Vec3i voxel = voxel_of(body.elements, slot);
@@ -38,16 +26,16 @@ std::vector<PlacedBone> bones_of(const Body& body) {
         bone.lo[a] = std::min(bone.lo[a], voxel[a]);
         bone.hi[a] = std::max(bone.hi[a], voxel[a]);
       }
-      fit.add(body.geometry.world_from_index(place_of(body, voxel)),
-              body.geometry.world_from_index(Vec3d(voxel)));
+      bone.places_mm.push_back(place_of(body, voxel));
+      fit.add(bone.places_mm.back(), m_geometry.world_from_index(Vec3d(voxel)));
     });
     bone.back = fit.motion();
-    bones.push_back(std::move(bone));
+    m_bones.push_back(std::move(bone));
   }
-  return bones;
 }
 
-double overlap_in(const PlacedBone& bone, const Vec3d& at) {
+double OverlapJudge::overlap_in(const Bone& bone, const Vec3d& place_mm) const {
+  const Vec3d at = m_geometry.index_from_world(bone.back(place_mm));
   for (int a = 0; a < 3; ++a) {
     if (at[a] < bone.lo[a] - 1 || at[a] > bone.hi[a] + 1) return 0;
   }
@@ -62,22 +50,39 @@ double overlap_in(const PlacedBone& bone, const Vec3d& at) {
   return deepest;
 }
 
-}  // namespace
-
-double deepest_overlap(const Body& body) {
-  const std::vector<PlacedBone> bones = bones_of(body);
+double OverlapJudge::deepest() const {
   double deepest = 0;
-  for (const PlacedBone& bone : bones) {
-    for (const Vec3i& voxel : bone.voxels) {
-      const Vec3d now = body.geometry.world_from_index(place_of(body, voxel));
-      for (const PlacedBone& other : bones) {
-        if (&other == &bone) continue;
-        deepest =
-            std::max(deepest, overlap_in(other, body.geometry.index_from_world(other.back(now))));
+  for (const Bone& bone : m_bones) {
+    for (const Vec3d& place : bone.places_mm) {
+      for (const Bone& other : m_bones) {
+        if (&other != &bone) deepest = std::max(deepest, overlap_in(other, place));
       }
     }
   }
   return deepest;
+}
+
+double OverlapJudge::deepest_on_way(const std::vector<std::size_t>& moved, const RigidMotion& way,
+                                    int samples, double enough) const {
+  std::vector<char> goes(m_bones.size(), 0);
+  for (const std::size_t n : moved) goes[n] = 1;
+  double deepest = 0;
+  for (int sample = 1; sample <= samples && deepest <= enough; ++sample) {
+    const RigidMotion so_far = way.part(double(sample) / samples);
+    for (const std::size_t n : moved) {
+      for (const Vec3d& place : m_bones[n].places_mm) {
+        const Vec3d now = so_far(place);
+        for (std::size_t other = 0; other < m_bones.size(); ++other) {
+          if (goes[other] == 0) deepest = std::max(deepest, overlap_in(m_bones[other], now));
+        }
+      }
+    }
+  }
+  return deepest;
+}
+
+double deepest_overlap(const Body& body) {
+  return OverlapJudge(body).deepest();
 }
 
 }  // namespace supple

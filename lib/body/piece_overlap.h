@@ -6,11 +6,41 @@
 // are compared. Cost: about 1 us per element and piece within whose box it is, and 0.2 us to know.
 #pragma once
 
+#include <unordered_set>
+#include <vector>
+
 #include "lib/body/body.h"
+#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
-/// The deepest overlap of voxels of two pieces, in voxels; 0 where none overlap.
+class OverlapJudge {
+ public:
+  /// Of the pieces where they are now.
+  explicit OverlapJudge(const Body& body);
+
+  /// The deepest overlap of voxels of two pieces, in voxels; 0 where none overlap.
+  double deepest() const;
+  /// That of pieces (in Body::rigid) in the others, on a way that all of them go as one and the
+  /// others do not: at `samples` equal parts of it, up to the first that is deeper than `enough`.
+  double deepest_on_way(const std::vector<std::size_t>& moved, const RigidMotion& way, int samples,
+                        double enough = 1) const;
+
+ private:
+  using VoxelSet = std::unordered_set<Vec3i, VoxelHash>;
+  struct Bone {
+    VoxelSet voxels;
+    std::vector<Vec3d> places_mm;  // where its voxels are
+    Vec3i lo, hi;
+    RigidMotion back;  // from where the bone is to where it was, in mm
+  };
+  double overlap_in(const Bone& bone, const Vec3d& place_mm) const;
+
+  const Geometry m_geometry;
+  std::vector<Bone> m_bones;
+};
+
+/// As OverlapJudge::deepest().
 double deepest_overlap(const Body& body);
 
 }  // namespace supple

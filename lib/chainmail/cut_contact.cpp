@@ -101,6 +101,29 @@ double CutContact::part_across(int c, ContactProjection& projection) const {
   return 0;
 }
 
+/// Adds what overlaps across an axis.
+void CutContact::count(int c, const CutLips::Contacts& contacts, SidesReport& report) const {
+  report.overlapping += contacts.overlapping;
+  report.left += contacts.too_deep;
+  if (contacts.overlapping == 0 || contacts.deepest_voxels <= report.deepest_voxels) return;
+  report.deepest_voxels = contacts.deepest_voxels;
+  const BrickValues& q = m_body.q[std::size_t(c)];
+  const auto way = [&](const ContactLink& link) {
+    return link.least + q.at(link.below) - q.at(link.above);
+  };
+  const auto deepest =
+      std::max_element(contacts.links.begin(), contacts.links.end(),
+                       [&](const ContactLink& a, const ContactLink& b) { return way(a) < way(b); });
+  report.voxel = voxel_of(m_body.elements, deepest->below);
+}
+
+SidesReport CutContact::found() const {
+  SidesReport report;
+  for (int c = 0; c < 3 && !empty(); ++c) count(c, m_lips->contacts(c, *m_before), report);
+  report.left_voxels = report.left > 0 ? report.deepest_voxels : 0;
+  return report;
+}
+
 SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* progress) {
   SidesReport report;
   if (empty()) return report;
@@ -109,27 +132,26 @@ SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* 
   for (const RigidPiece& piece : m_body.rigid.list) anchored.add(*piece.elements);
   ContactProjection projection(m_body, anchored, held, progress);
   for (int round = 0; round <= kMostRounds; ++round) {
-    std::int64_t overlapping = 0;
-    double deepest_voxels = 0;
+    SidesReport now;
     bool has_moved = false;
-    report.left = 0;
     for (int c = 0; c < 3; ++c) {
       const CutLips::Contacts contacts = m_lips->contacts(c, *m_before);
       if (contacts.overlapping == 0) continue;
-      overlapping += contacts.overlapping;
-      deepest_voxels = std::max(deepest_voxels, contacts.deepest_voxels);
-      report.left += contacts.too_deep;
+      count(c, contacts, now);
       if (round == kMostRounds) continue;
       const double moved = part_across(c, projection);
       report.max_move_voxels = std::max(report.max_move_voxels, moved);
       has_moved = has_moved || moved > 0;
     }
     if (round == 0) {
-      report.overlapping = overlapping;
-      report.deepest_voxels = deepest_voxels;
+      report.overlapping = now.overlapping;
+      report.deepest_voxels = now.deepest_voxels;
+      report.voxel = now.voxel;
     }
-    report.left_voxels = report.left > 0 ? deepest_voxels : 0;
-    if (overlapping == 0 || !has_moved) break;
+    report.left = now.left;
+    report.left_voxels = now.left > 0 ? now.deepest_voxels : 0;
+    if (now.left > 0) report.voxel = now.voxel;
+    if (now.overlapping == 0 || !has_moved) break;
   }
   m_changed_bricks += projection.changed_bricks();
   return report;

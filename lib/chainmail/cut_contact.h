@@ -26,6 +26,8 @@ struct SidesReport {
   double max_move_voxels = 0;    // that took them apart
   std::int64_t left = 0;         // points that still are too deep behind it
   double left_voxels = 0;        // the deepest of these
+  /// Of a side at rest, where the deepest is, of those that are left if any are.
+  Vec3i voxel{0, 0, 0};
   /// Of the drag, in 1/kDragParts, which what is held on both sides leaves room for.
   int parts = 1024;
   /// Bones have moved and left no room: what is left was pressed between them.
@@ -67,9 +69,13 @@ class CutContact {
   /// their limits. Where these leave no room some overlap is `left`.
   SidesReport part(const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
 
+  /// What overlaps now, all of it `left`.
+  SidesReport found() const;
+
  private:
   bool may_go_on(std::int64_t more_bricks = 0) const;
   double part_across(int c, ContactProjection& projection) const;
+  void count(int c, const CutLips::Contacts& contacts, SidesReport& report) const;
 
   Body& m_body;
   std::shared_ptr<const CutLips> m_lips;

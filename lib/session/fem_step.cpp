@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
-#include "lib/body/node_offsets.h"
-#include "lib/relax/relaxation.h"
+#include "lib/body/kept_offsets.h"
 #include "lib/session/fem/fem_solid.h"
+#include "lib/session/fem/piece_poses.h"
+#include "lib/session/free_poses.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step_warnings.h"
 #include "volumes/base/text.h"
@@ -19,6 +20,8 @@ namespace {
 
 /// Cosine of the widest angle between `facing` and the normal of a face.
 constexpr double kFacingCosine = 0.5;
+/// So often free pieces that would enter others are held, and the rest is solved.
+constexpr int kMostSolutions = 5;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -46,49 +49,6 @@ FemLoads loads_of(const FemStep& step, const FemTask& task, const FemSolid& soli
     }
   }
   return loads;
-}
-
-/// Free pieces take the rigid pose nearest to where their elements came to: linear equations let
-/// what turns grow.
-void fit_pieces(Body& body, FemRecord& record) {
-  record.fitted_pieces = 0;
-  record.fitted_max_voxels = 0;
-  NodeOffsets offsets(body);
-  for (RigidPiece& piece : body.rigid.list) {
-    RigidPiece at_rest = piece;
-    at_rest.pose = {};
-    const auto deviation = [&](const RigidPiece& posed) {
-      const PoseOffsets by_pose(body.geometry, posed);
-      double most = 0;
-      piece.elements->for_each([&](Slot slot) {
-        const auto q = by_pose(voxel_of(body.elements, slot));
-        for (int c = 0; c < 3; ++c) {
-          const double there = offset_with_fraction(body, c, slot);
-          most = std::max(most, std::abs(there - double(q[std::size_t(c)]) / kFixedOne));
-        }
-      });
-      return most;
-    };
-    if (deviation(piece) == 0) continue;
-    RigidFit fit;
-    piece.elements->for_each([&](Slot slot) {
-      const Vec3d rest(voxel_of(body.elements, slot));
-      Vec3d now = rest;
-      for (int c = 0; c < 3; ++c) now[c] += offset_with_fraction(body, c, slot);
-      fit.add(body.geometry.world_from_index(rest), body.geometry.world_from_index(now));
-    });
-    piece.pose = moved_by(fit.motion(), at_rest, body.geometry);
-    record.fitted_max_voxels = std::max(record.fitted_max_voxels, deviation(piece));
-    ++record.fitted_pieces;
-    const PoseOffsets by_pose(body.geometry, piece);
-    piece.elements->for_each([&](Slot slot) {
-      const auto q = by_pose(voxel_of(body.elements, slot));
-      for (int c = 0; c < 3; ++c) {
-        offsets.set_offset(c, slot, double(q[std::size_t(c)]) / kFixedOne);
-      }
-    });
-  }
-  if (record.fitted_pieces > 0) offsets.give(body);
 }
 
 void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
@@ -142,6 +102,53 @@ void find_modes(const FemStep& step, const FemTask& task, const FemSolid& solid,
   record.report.loose_elements = report.loose_elements;
 }
 
+/// Poses of pieces once the body has moved: where handles took them, where they are kept, or the
+/// nearest to where their elements came to.
+void settle_pieces(const FemTask& task, const std::vector<FreePose>& kept, FemRecord& record) {
+  Body& body = task.held.body;
+  set_poses(body, task.pieces, 1);
+  for (const FreePose& free : kept) body.rigid.list[free.piece].pose = free.pose;
+  std::tie(record.fitted_pieces, record.fitted_max_voxels) = fit_pieces(body);
+}
+
+/// Solves, and where free pieces would enter others once more from there, with these held where
+/// they meet them. Nothing holds them afterwards. Returns the iterations of all solutions.
+int move_apart(const FemStep& step, const FemTask& task, const std::vector<Handle>& handles,
+               VoxelFemModel& model, FemRecord& record, Progress* progress) {
+  Body& body = task.held.body;
+  const KeptOffsets start(body);
+  const Holds holds = task.held.holds;
+  const std::vector<RigidPiece> pieces = body.rigid.list;
+  std::vector<FreePose> kept;
+  int iterations = 0;
+  for (int round = 0;; ++round) {
+    std::vector<Handle> all = handles;
+    for (const FreePose& free : kept) {
+      all.push_back(handle_at(body, body.rigid.list[free.piece], free.pose));
+    }
+    model.move(all, 1, progress);
+    model.store();
+    iterations += model.report().iterations;
+    if (step.keeps_nodes && step.halvings == 0) {
+      record.nodes.elements_mm = element_displacements(model.solid().mesh(), body);
+    }
+    settle_pieces(task, kept, record);
+    if (!task.keep_apart) break;
+    const std::vector<FreePose> more = task.keep_apart(round == kMostSolutions - 1);
+    if (more.empty()) break;
+    kept.insert(kept.end(), more.begin(), more.end());
+    model.begin_from(std::make_shared<const NodeStart>(model.displacement_mm().begin(),
+                                                       model.displacement_mm().end()));
+    start.restore(body);
+    task.held.holds = holds;
+    body.rigid.list = pieces;
+  }
+  for (const FreePose& free : kept) {
+    task.held.holds.anchored.remove(*body.rigid.list[free.piece].elements);
+  }
+  return iterations;
+}
+
 void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSolid& solid,
                          const std::vector<Handle>& handles, FemRecord& record,
                          Progress* progress) {
@@ -150,13 +157,13 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSoli
   model.tell_of(task.gripped);
   const bool is_picture = step.params.accuracy == FemAccuracy::picture && step.halvings == 0;
   if (is_picture) model.begin_from(task.start);
-  model.move(handles, 1, progress);
-  model.store();
+  const int iterations = move_apart(step, task, handles, model, record, progress);
   if (is_picture) {
     record.equilibrium = std::make_shared<const NodeStart>(model.displacement_mm().begin(),
                                                            model.displacement_mm().end());
   }
   record.report = model.report();
+  record.report.iterations = iterations;
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
   const bool is_looked_at = !task.labels.empty() || !step.wanted.empty();
@@ -164,10 +171,7 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSoli
                               is_looked_at ? model.parts() : ElementParts()};
   record.gauges = gauges_of(solved, task.held.body.elements, task.labels);
   record.values = values_of(solved, task.held.body.elements, step.wanted);
-  if (step.keeps_nodes && step.halvings == 0) {
-    record.nodes = {
-        model.displacement_mm(), {}, element_displacements(model.solid().mesh(), task.held.body)};
-  }
+  if (step.keeps_nodes && step.halvings == 0) record.nodes.u_mm = model.displacement_mm();
 }
 
 /// Damping of the elements' material, and that of the step.
@@ -229,14 +233,14 @@ void move_in_time(const FemStep& step, const FemTask& task, const FemSolid& soli
 
 void show_frame(std::size_t frame, FemRecord& record, Body& body) {
   take_frame(*record.motion, frame, body);
-  if (!body.rigid.empty()) fit_pieces(body, record);
+  std::tie(record.fitted_pieces, record.fitted_max_voxels) = fit_pieces(body);
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;
 }
 
 void show_mode(int number, FemRecord& record, Body& body) {
   take_mode_shape(*record.modes, number, body);
-  if (!body.rigid.empty()) fit_pieces(body, record);
+  std::tie(record.fitted_pieces, record.fitted_max_voxels) = fit_pieces(body);
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;
 }
@@ -288,14 +292,12 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   const std::vector<RigidPiece> before = body.rigid.list;
   if (step.motion) {
     move_in_time(step, task, solid, handles, record, progress);
+    settle_pieces(task, {}, record);
+    if (task.keep_apart) task.keep_apart(true);
   } else {
     move_to_equilibrium(step, task, solid, handles, record, progress);
   }
-  if (!body.rigid.empty()) {
-    set_poses(body, task.pieces, 1);
-    fit_pieces(body, record);
-    warn_of_moved_pieces(body, before, task.pieces, progress);
-  }
+  if (!body.rigid.empty()) warn_of_moved_pieces(body, before, task.pieces, progress);
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;
   record.milliseconds = milliseconds_since(begin);

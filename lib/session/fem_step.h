@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,6 +67,7 @@ struct FemRecord {
 };
 
 struct PieceMotion;  // lib/session/rigid_drag.h
+struct FreePose;     // lib/session/free_poses.h
 
 /// What a session hands over.
 struct FemTask {
@@ -77,6 +79,9 @@ struct FemTask {
   const std::vector<PieceMotion>& pieces;  // that the handles move
   const FemNodes& nodes;                   // of the step before
   std::shared_ptr<const NodeStart> start;  // of the last picture of this solid, or null
+  /// Poses at which free pieces are to be held instead, now that the body has moved; the last time
+  /// none. Null where pieces may pass through each other.
+  std::function<std::vector<FreePose>(bool is_last)> keep_apart;
 };
 
 /// The key of a step that another one of it rules out; its file is empty.

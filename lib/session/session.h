@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -155,6 +156,9 @@ class Session {
                                           std::vector<PieceMotion> motions, double part);
   double shorten_for_bones(std::vector<PieceMotion>& pieces, StepRecord& record,
                            Progress* progress);
+  std::function<std::vector<FreePose>(bool)> keeping_apart(const std::vector<Handle>& handles,
+                                                           std::vector<PieceMotion> motions,
+                                                           StepRecord& record);
   void go_to_part(double part, const std::vector<Handle>& handles,
                   const std::vector<PieceMotion>& pieces, const StepStart& start,
                   StepRecord& record, Progress* progress);
@@ -181,6 +185,8 @@ class Session {
                              Progress* progress);
   void run_step(StepRecord& record, Progress* progress);
   void move(StepRecord& record, Progress* progress);
+  void move_by_elements(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
+                        const HandleLedger& ledger, StepRecord& record, Progress* progress);
   void follow_ways(StepRecord& record, Progress* progress);
   std::vector<PieceMotion> motions_of(const StepRequest& request) const;
   Before before(const StepRequest& request);

@@ -54,6 +54,27 @@ std::vector<RigidPose> poses_of(const std::vector<RigidPiece>& pieces) {
   return poses;
 }
 
+void drop_shifts(std::vector<PieceMotion>& motions) {
+  motions.erase(std::remove_if(motions.begin(), motions.end(),
+                               [](const auto& motion) { return !motion.motion.turns(); }),
+                motions.end());
+}
+
+/// The motion of a piece from one pose to another.
+RigidMotion between(const RigidPose& from, const RigidPose& to, const RigidPiece& piece,
+                    const Geometry& geometry) {
+  const auto centre = [&](const RigidPose& pose) {
+    Vec3d at = piece.centre_index;
+    for (int c = 0; c < 3; ++c) at[c] += double(pose.shift_q[std::size_t(c)]) / kFixedOne;
+    return geometry.world_from_index(at);
+  };
+  RigidMotion motion;
+  if (!(from.turn == to.turn)) motion.turn = (to.turn * from.turn.inverse()).unit();
+  motion.about_lps_mm = centre(from);
+  motion.shift_lps_mm = centre(to) - centre(from);
+  return motion;
+}
+
 }  // namespace
 
 bool Session::keeps_bones_apart(const StepRequest& request) const {
@@ -76,9 +97,7 @@ PieceWay Session::way_of_pieces(const std::vector<RigidPiece>& start,
 std::optional<BoneStop> Session::first_bone_stop(const std::vector<RigidPiece>& start,
                                                  const std::vector<RigidPose>& end,
                                                  std::vector<PieceMotion> motions, double part) {
-  motions.erase(std::remove_if(motions.begin(), motions.end(),
-                               [](const auto& motion) { return !motion.motion.turns(); }),
-                motions.end());
+  drop_shifts(motions);
   for (PieceMotion& motion : motions) motion.motion = motion.motion.part(part);
   const PieceStop stop = m_bones.first_stop(m_body, way_of_pieces(start, end, motions));
   if (stop.piece < 0) return std::nullopt;
@@ -125,6 +144,40 @@ double Session::shorten_for_bones(std::vector<PieceMotion>& pieces, StepRecord& 
   const double part = double(parts) / double(kWayParts);
   for (PieceMotion& piece : pieces) piece.motion = piece.motion.part(part);
   return part;
+}
+
+/// Finds, each time, the free pieces that finite elements have led into others by now: where each
+/// meets the first of these, which takes it along from there. The record tells of all.
+std::function<std::vector<FreePose>(bool)> Session::keeping_apart(
+    const std::vector<Handle>& handles, std::vector<PieceMotion> motions, StepRecord& record) {
+  drop_shifts(motions);
+  std::vector<char> is_free(m_body.rigid.list.size(), 0);
+  for (const FreePose& free : free_pieces(handles)) is_free[free.piece] = 1;
+  return [this, is_free, motions, start = m_body.rigid.list, &record](bool is_last) mutable {
+    const std::vector<RigidPose> end = poses_of(m_body.rigid.list);
+    const PieceWay way = way_of_pieces(start, end, motions);
+    std::vector<PieceMeeting> meetings = m_bones.meetings(m_body, way);
+    std::stable_sort(meetings.begin(), meetings.end(),
+                     [](const auto& a, const auto& b) { return a.part < b.part; });
+    std::vector<FreePose> kept;
+    auto& told = record.meetings;
+    told.erase(std::remove_if(told.begin(), told.end(), [](const auto& m) { return !m.is_kept; }),
+               told.end());
+    for (const PieceMeeting& meeting : meetings) {
+      auto [piece, other] = std::pair(std::size_t(meeting.piece), std::size_t(meeting.other));
+      told.push_back({start[piece].name, start[other].name, meeting.voxel, meeting.overlap_voxels});
+      if (is_free[piece] == 0) std::swap(piece, other);
+      if (is_last || is_free[piece] == 0) continue;
+      told.back().is_kept = true;
+      is_free[piece] = 0;
+      RigidPiece met = start[piece];
+      met.pose = way(piece, meeting.part);
+      const RigidMotion along =
+          between(way(other, meeting.part), end[other], start[other], m_body.geometry);
+      kept.push_back({piece, moved_by(along, met, m_body.geometry)});
+    }
+    return kept;
+  };
 }
 
 /// Straight ways are gone back. Pieces that turned would bend on them.

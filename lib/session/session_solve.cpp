@@ -44,6 +44,7 @@ void add(const SidesReport& later, SidesReport& report) {
   report.max_move_voxels = std::max(report.max_move_voxels, later.max_move_voxels);
   report.left = later.left;
   report.is_crushed = report.is_crushed && later.left > 0;
+  if (later.left > 0) report.voxel = later.voxel;
   report.left_voxels = later.left_voxels;
 }
 
@@ -85,6 +86,31 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
   if (record.bones) warn_of_stop(*record.bones, record.report, progress);
   warn_of_report(record.contact, progress);
   if (record.limits == Limits::tighten) tighten_body(record, progress);
+}
+
+/// Equilibria know no contact: free pieces are kept out of others, and what sides of cuts do is
+/// told.
+void Session::move_by_elements(const std::vector<Handle>& handles,
+                               const std::vector<PieceMotion>& pieces, const HandleLedger& ledger,
+                               StepRecord& record, Progress* progress) {
+  const std::vector<SlotSet> told =
+      record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
+  static const FemNodes none;
+  const FemNodes& nodes = m_records.empty() ? none : m_records.back().equilibrium.nodes;
+  FemTask task{held(),        cuts(), m_state.density, m_state.labels, told, pieces, nodes,
+               m_equilibrium, {}};
+  std::unique_ptr<CutContact> contact;
+  if (!record.fem->modes) {
+    contact = contact_of(record);
+    if (keeps_bones_apart(record)) task.keep_apart = keeping_apart(handles, pieces, record);
+  }
+  record.equilibrium = move_by_fem(*record.fem, task, handles, progress);
+  if (record.equilibrium.equilibrium) m_equilibrium = std::move(record.equilibrium.equilibrium);
+  if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
+  m_lips_before.reset();
+  if (contact) record.contact = contact->found();
+  warn_of_meetings(record.meetings, progress);
+  warn_of_sides(record.contact, progress);
 }
 
 void Session::solve_freely(const std::vector<Handle>& handles,

@@ -150,16 +150,7 @@ void Session::move(StepRecord& record, Progress* progress) {
     m_relaxed_by = {};
     forget_shifts();
   } else if (record.fem) {
-    const std::vector<SlotSet> told =
-        record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
-    static const FemNodes none;
-    const FemNodes& nodes = m_records.empty() ? none : m_records.back().equilibrium.nodes;
-    record.equilibrium = move_by_fem(
-        *record.fem,
-        {held(), cuts(), m_state.density, m_state.labels, told, pieces, nodes, m_equilibrium},
-        handles, progress);
-    if (record.equilibrium.equilibrium) m_equilibrium = std::move(record.equilibrium.equilibrium);
-    if (record.tells_reactions) record.reactions = ledger.name(record.equilibrium.reactions);
+    move_by_elements(handles, pieces, ledger, record, progress);
     m_relaxed_by = {};
     forget_shifts();
   } else {

@@ -84,6 +84,14 @@ struct BoneStop {
   double way_mm = 0;         // of that voxel before `other`
 };
 
+/// A rigid piece that finite elements lead into another one.
+struct BoneMeeting {
+  std::string piece, other;   // their names
+  Vec3i voxel{0, 0, 0};       // of `piece` at rest, the deepest in `other`
+  double overlap_voxels = 0;  // that there is, or would be if the piece were not kept
+  bool is_kept = false;       // where it meets the other one
+};
+
 /// Results of a step. For drags with a way the report of the drag covers all poses: its fraction is
 /// the smallest, its moved elements are the most. All other members are those of the last pose.
 struct StepRecord : StepRequest {
@@ -92,6 +100,7 @@ struct StepRecord : StepRequest {
   EcmReport report;                       // of ball limits: the common members
   std::optional<BallReport> ball;         // when the step was solved under ball limits
   std::optional<BoneStop> bones;          // where pieces met
+  std::vector<BoneMeeting> meetings;      // of free pieces under finite elements
   SidesReport contact;                    // of the sides of cuts, after drag and relaxation
   RelaxReport relaxed;                    // when the step relaxes
   SpringRecord sprung;                    // when springs move it

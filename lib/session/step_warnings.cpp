@@ -34,6 +34,10 @@ void warn_of_projection(std::int64_t links, double max_voxels, std::int64_t held
                      "; it was projected, largest move " + four_digits(max_voxels) + " voxels");
 }
 
+std::string depth_of(const SidesReport& report) {
+  return four_digits(report.left_voxels) + " voxels at voxel " + to_text(report.voxel);
+}
+
 /// The largest way of any element between two poses, in mm.
 double longest_way_mm(const Body& body, RigidPiece piece, const RigidPose& from) {
   const PoseOffsets now(body.geometry, piece);
@@ -150,11 +154,42 @@ void warn_of_report(const SidesReport& report, Progress* progress) {
   }
   if (report.is_crushed) {
     note(progress, "tissue that has no room beside bone is crushed: sides of cuts overlap at " +
-                       with_count(report.left, "point") + ", by up to " +
-                       four_digits(report.left_voxels) + " voxels");
+                       with_count(report.left, "point") + ", by up to " + depth_of(report));
   } else if (report.left > 0) {
-    warn(progress, "the sides of a cut overlap by up to " + four_digits(report.left_voxels) +
-                       " voxels: what is held leaves no room");
+    warn(progress, "the sides of a cut overlap by up to " + depth_of(report) +
+                       ": what is held leaves no room");
+  }
+}
+
+void warn_of_sides(const SidesReport& report, Progress* progress) {
+  if (report.left == 0) return;
+  note(progress, "finite elements know no contact of tissue: sides of cuts overlap at " +
+                     with_count(report.left, "point") + ", by up to " + depth_of(report));
+}
+
+void warn_of_meetings(const std::vector<BoneMeeting>& meetings, Progress* progress) {
+  for (const bool is_kept : {true, false}) {
+    std::int64_t count = 0;
+    const BoneMeeting* deepest = nullptr;
+    for (const BoneMeeting& meeting : meetings) {
+      if (meeting.is_kept != is_kept) continue;
+      ++count;
+      if (deepest == nullptr || meeting.overlap_voxels > deepest->overlap_voxels) {
+        deepest = &meeting;
+      }
+    }
+    if (deepest == nullptr) continue;
+    const std::string where = with_count(count, "pair") + " of rigid pieces, at most " +
+                              deepest->piece + " in " + deepest->other + " by " +
+                              four_digits(deepest->overlap_voxels) + " voxels at voxel " +
+                              to_text(deepest->voxel);
+    if (is_kept) {
+      note(progress, "finite elements would press into each other " + where +
+                         ": free ones stay where they meet the other");
+    } else {
+      warn(progress, "finite elements press into each other " + where +
+                         "; an anchor on a voxel of a free one holds it");
+    }
   }
 }
 

@@ -1,12 +1,14 @@
 // Contact of rigid pieces through whole sessions, judged by an oracle of its own: every voxel of a
 // piece, where the offsets of the body put it, among the voxels of the other pieces.
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "lib/body/piece_contact.h"
 #include "lib/body/piece_overlap.h"
+#include "lib/session/rigid_drag.h"
 #include "lib/session/session.h"
 #include "tests/lib/bone_fixtures.h"
 #include "tests/support/program.h"
@@ -26,6 +28,45 @@ bool says(const Session& session, const std::string& part) {
     if (line.find(part) != std::string::npos) return true;
   }
   return false;
+}
+
+/// Beyond what there is at rest, by how far any two pieces are turned against each other.
+double allowed_overlap(const Body& body) {
+  double most_deg = 0;
+  for (const RigidPiece& piece : body.rigid.list) {
+    most_deg = std::max(most_deg, piece.pose.turn.angle_deg());
+  }
+  return kShiftedOverlap + std::min(1.0, most_deg) * (kTurnedOverlap - kShiftedOverlap);
+}
+
+/// Drags of which no part leaves the piece deeper in others than it is, as another judge sees it.
+struct OpeningDrags {
+  int opening = 0, turning = 0, whole = 0;
+  int stopped = 0;  // by bone
+};
+
+OpeningDrags drags_that_open(Session& session, const Vec3i& grabbed, int tried,
+                             const std::function<void(StepRequest&)>& choose) {
+  OpeningDrags told;
+  const OverlapJudge judge(session.body());
+  const double at_rest = judge.deepest();
+  for (int n = 0; n < tried; ++n) {
+    StepRequest drag = jaw_drag({});
+    drag.drags[0].region = Region(grabbed);
+    choose(drag);
+    const PieceMotion way =
+        motions_of_pieces(session.body(), drag.drags, {drag.drags[0].region}).front();
+    constexpr double kRounding = 1e-3;
+    const double enough = at_rest + kRounding;
+    if (judge.deepest_on_way({way.piece}, way.motion, 16, enough) > enough) continue;
+    const StepRecord& record = session.step(drag);
+    ++told.opening;
+    told.turning += way.motion.turns();
+    told.whole += record.report.fraction() == 1;
+    told.stopped += record.bones.has_value();
+    session.undo();
+  }
+  return told;
 }
 
 }  // namespace
@@ -77,6 +118,77 @@ TEST(PropertyBoneContact, FiniteElementsLeadBonesAsFarAsTheyLeaveEachOtherRoom) 
   EXPECT_NEAR(way_done(record), reach, 1e-4);
   EXPECT_LT(deepest_overlap(by_elements.body()), kShiftedOverlap + 1e-3);
   EXPECT_TRUE(says(by_elements, "bone stopped the drag"));
+}
+
+TEST(PropertyBoneContact, FreePiecesStayOutOfOthersUnderFiniteElementsAndNothingHoldsThemThen) {
+  const TemporaryFolder folder;
+  const std::string path = write_wavy_joint(folder, false);
+  StepRequest press = wavy_drag({});  // tissue beside the free bone, towards the held one
+  press.drags = {{Region(IndexBox{{32, 8, 8}, {36, 24, 24}}), Vec3d(-6, 0, 0)}};
+  press.fem.emplace();
+  press.fem->params.set_accuracy(FemAccuracy::picture);
+  SessionOptions options = bone_options();
+  options.material->has_contact = false;
+  Session passing(path, options);
+  passing.step(press);
+  ASSERT_GT(deepest_overlap(passing.body()), 0.7);
+
+  Session session(path, bone_options());
+  const StepRecord& record = session.step(press);
+  ASSERT_EQ(record.meetings.size(), 1u);
+  EXPECT_TRUE(record.meetings[0].is_kept);
+  EXPECT_GT(record.meetings[0].overlap_voxels, 0.7);
+  EXPECT_LT(deepest_overlap(session.body()), allowed_overlap(session.body()) + 1e-3);
+  const double there = session.body().offset({24, 16, 16}, 0);
+  EXPECT_LT(there, -0.5 * kFixedOne);
+
+  StepRequest back = press;
+  back.rigid = {};
+  back.fix.clear();
+  back.drags[0].by_mm = Vec3d(9, 0, 0);
+  EXPECT_TRUE(session.step(back).meetings.empty());
+  EXPECT_GT(session.body().offset({24, 16, 16}, 0), there + kFixedOne);
+}
+
+TEST(PropertyBoneContact, AFreePieceGoesAlongWithTheOneThatItMeetsUnderFiniteElements) {
+  const TemporaryFolder folder;
+  const std::string path = write_wavy_joint(folder, true);
+  StepRequest press = wavy_drag({2, 0, 0});
+  press.drags.push_back({Region(IndexBox{{37, 8, 13}, {39, 23, 17}}), Vec3d(-11, 0, 0)});
+  press.fem.emplace();
+  press.fem->params.set_accuracy(FemAccuracy::picture);
+  SessionOptions options = bone_options();
+  options.material->has_contact = false;
+  Session passing(path, options);
+  passing.step(press);
+  ASSERT_GT(deepest_overlap(passing.body()), 0.6);
+  Session session(path, bone_options());
+  const StepRecord& record = session.step(press);
+  ASSERT_FALSE(record.meetings.empty());
+  EXPECT_TRUE(record.meetings[0].is_kept);
+  EXPECT_FALSE(record.bones.has_value());
+  EXPECT_LT(deepest_overlap(session.body()), allowed_overlap(session.body()) + 1e-3);
+}
+
+TEST(PropertyBoneContact, DragsInAllDirectionsThatOpenAJointAreDoneWhole) {
+  const TemporaryFolder folder;
+  Session session(write_wavy_joint(folder, false), bone_options());
+  StepRequest part = wavy_drag({});
+  part.drags.clear();
+  session.step(part);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const OpeningDrags told = drags_that_open(session, Vec3i(24, 16, 16), 60, [&](StepRequest& drag) {
+    drag.drags[0].by_mm =
+        Vec3d(1.5 + 1.5 * uniform(random), 2 * uniform(random), 2 * uniform(random));
+    if (uniform(random) > 0) return;
+    drag.drags[0].motion.angle_deg = 6 * uniform(random);
+    drag.drags[0].motion.axis_lps = {uniform(random), uniform(random), uniform(random)};
+  });
+  EXPECT_GE(told.opening, 12);
+  EXPECT_GE(told.turning, 3);
+  EXPECT_GE(told.whole, 0.9 * told.opening);
+  EXPECT_EQ(told.stopped, 0);
 }
 
 TEST(PropertyBoneContact, LiveDragsReachAsFarAsOneOfAll) {
@@ -161,6 +273,30 @@ TEST_F(PropertyJawContact, TwentyRandomDragsLeaveNoBoneInAnotherOrAreShortened) 
   EXPECT_GT(stopped, 3);
   EXPECT_GE(opened, 0.9 * opening) << opening;
   std::printf("%d of 20 stopped, %d of %d that open whole\n", stopped, opened, opening);
+}
+
+TEST_F(PropertyJawContact, DragsThatOpenTheJointAreDoneWhole) {
+  Session session(m_path, bone_options());
+  session.step(jaw_step());
+  std::mt19937 random(51);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int n = 0;
+  const OpeningDrags told = drags_that_open(session, Vec3i(44, 61, 12), 24, [&](StepRequest& drag) {
+    // Down, forward, both, to a side and turned about an axis through both condyles: the walls
+    // beside the jaw let none of the last two go.
+    const double down = -3 - 3 * uniform(random), forward = 3 + 3 * uniform(random);
+    drag.drags[0].by_mm = Vec3d(0, n % 3 == 0 ? 0 : forward, n % 3 == 1 ? 0 : down);
+    if (n % 8 == 6) drag.drags[0].by_mm.x = 2 * uniform(random);
+    if (n % 8 == 7) {
+      drag.drags[0].motion.angle_deg = 6 * uniform(random);
+      drag.drags[0].motion.axis_lps = {1, 0, 0};
+      drag.drags[0].motion.about_lps_mm = session.geometry().world_from_index({44, -22, 21});
+    }
+    ++n;
+  });
+  EXPECT_GE(told.opening, 15);
+  EXPECT_GE(told.whole, 0.9 * told.opening);
+  EXPECT_EQ(told.stopped, 0);
 }
 
 TEST_F(PropertyJawContact, WaysOfTheJawNeverShrinkWithTheWayAsked) {

@@ -69,6 +69,27 @@ std::int64_t overlaps(Session& session) {
 
 }  // namespace
 
+TEST_P(PropertySessionContact, FiniteElementsTellWhereTheSidesOfACutOverlap) {
+  Session session(volume(), options(""));
+  session.cut(incision(4, 20));
+  StepRequest apart = pushed({-2, 0, 0});
+  apart.fix = {{{0, 0, 0}, {kLong - 1, kLong - 1, kBone - 1}}};
+  apart.fem.emplace();
+  apart.fem->params.set_accuracy(FemAccuracy::picture);
+  EXPECT_EQ(session.step(apart).contact.left, 0);
+  EXPECT_EQ(overlaps(session), 0);
+  StepRequest into = apart;
+  into.drags[0].by_mm = {5, 0, 0};
+  const StepRecord& record = session.step(into);
+  EXPECT_GT(overlaps(session), 20);
+  EXPECT_GT(record.contact.left, 20);
+  // The handle's element nearest to the cut goes 3 voxels from rest, its neighbour beyond hardly.
+  EXPECT_NEAR(record.contact.left_voxels, 3, 0.6);
+  EXPECT_NEAR(record.contact.voxel.x, 11, 1);
+  EXPECT_GE(record.contact.voxel.y, 8);
+  EXPECT_LE(record.contact.voxel.y, 15);
+}
+
 TEST_P(PropertySessionContact, AnIncisionDoesNotPassThroughItself) {
   for (const double lean : {0.0, 0.5}) {
     Session passing(volume(), options("contact = false\n"));

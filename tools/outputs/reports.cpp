@@ -1,6 +1,5 @@
 #include "tools/outputs/reports.h"
 
-#include <cmath>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -211,6 +210,7 @@ nlohmann::ordered_json to_json(const SidesReport& report) {
           {"max_move_voxels", report.max_move_voxels},
           {"left", report.left},
           {"left_voxels", report.left_voxels},
+          {"voxel", {report.voxel.x, report.voxel.y, report.voxel.z}},
           {"crushed", report.is_crushed},
           {"part_of_drag", double(report.parts) / CutContact::kDragParts}};
 }
@@ -317,13 +317,12 @@ void print_reactions(const std::vector<HandleReaction>& reactions) {
 nlohmann::ordered_json to_json(const RigidPieces& pieces) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const RigidPiece& piece : pieces.list) {
-    nlohmann::ordered_json shift = nlohmann::ordered_json::array();
-    for (const std::int64_t q : piece.pose.shift_q) shift.push_back(double(q) / kFixedOne);
+    const auto shift = [&](std::size_t c) { return double(piece.pose.shift_q[c]) / kFixedOne; };
     list.push_back({{"name", piece.name},
                     {"elements", piece.elements->size()},
                     {"centre_voxel", vector_json(piece.centre_index)},
                     {"turn_degrees", piece.pose.turn.angle_deg()},
-                    {"shift_voxels", std::move(shift)}});
+                    {"shift_voxels", {shift(0), shift(1), shift(2)}}});
   }
   return list;
 }
@@ -354,6 +353,14 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
       json["fraction"] = record.report.fraction();
       json["bones"] = to_json(*record.bones);
     }
+    for (const BoneMeeting& met : record.meetings) {
+      json["meetings"].push_back({{"piece", met.piece},
+                                  {"other", met.other},
+                                  {"voxel", vector_json(Vec3d(met.voxel))},
+                                  {"overlap_voxels", met.overlap_voxels},
+                                  {"kept_apart", met.is_kept}});
+    }
+    if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);
     json["reactions"] = to_json(record.reactions);
     return json;
   }
