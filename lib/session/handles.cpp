@@ -148,6 +148,8 @@ Fields fields(GivenMotion& given) {
       Field("push", given.push, "Moves tissue ahead of it along each axis, and never back"),
       Field("spare_fixed", given.spares_fixed,
             "Leaves out elements that are fixed, and rigid pieces that anchors hold"),
+      Field("slide", given.slides,
+            "A shift that is stopped goes on along each grid axis as far as that is free"),
   };
 }
 
@@ -252,6 +254,7 @@ std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, d
   drag.motion = motion_of(given, geometry);
   drag.soft_mm = given.soft_mm;
   drag.spares_fixed = given.spares_fixed;
+  drag.slides = given.slides;
   if (given.is_animated()) {
     const DragPose pose = pose_of(path_of(given, geometry).at(time), drag.motion);
     drag.by_mm = pose.by_mm;

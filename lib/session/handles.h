@@ -50,6 +50,7 @@ struct GivenMotion {
   double soft_mm = 0;
   bool push = false;
   bool spares_fixed = false;
+  bool slides = false;
 };
 Fields fields(GivenMotion& given);
 

@@ -61,6 +61,7 @@ nlohmann::ordered_json to_json(const Drag& drag) {
   if (drag.soft_mm > 0) json["soft_mm"] = drag.soft_mm;
   if (drag.kind == HandleKind::push) json["push"] = true;
   if (drag.spares_fixed) json["spare_fixed"] = true;
+  if (drag.slides) json["slide"] = true;
   return json;
 }
 

@@ -144,6 +144,10 @@ class Session {
   HeldBody held_with_pieces(std::vector<Region>& anchors);
   void relax_body(int passes, StepRecord& record, Progress* progress);
   void tighten_body(StepRecord& record, Progress* progress);
+  std::unique_ptr<CutContact> solve_apart(const std::vector<Handle>& handles,
+                                          const std::vector<PieceMotion>& pieces,
+                                          StepRecord& record, Progress* progress);
+  void slide_on(StepRecord& record, Progress* progress);
   void solve(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
              StepRecord& record, Progress* progress);
   void solve_freely(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,

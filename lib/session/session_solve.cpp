@@ -48,12 +48,35 @@ void add(const SidesReport& later, SidesReport& report) {
   report.left_voxels = later.left_voxels;
 }
 
+bool slides(const Drag& drag) {
+  return drag.slides && drag.motion.is_shift();
+}
+
+/// Hands on all but lines for the user.
+class Silent final : public Progress {
+ public:
+  explicit Silent(Progress* next) : m_next(next) {}
+
+  void stage(std::string_view name) override { supple::stage(m_next, name); }
+  void update(double fraction) override {
+    if (m_next != nullptr) m_next->update(fraction);
+  }
+  bool cancelled() const override { return m_next != nullptr && m_next->cancelled(); }
+
+ private:
+  Progress* m_next;
+};
+
 }  // namespace
 
-void Session::move_quasi_statically(const std::vector<Handle>& handles,
-                                    const std::vector<PieceMotion>& pieces, StepRecord& record,
-                                    Progress* progress) {
-  stage(progress, "solving");
+Vec3d way_done(const StepRecord& record, const Vec3d& by_mm) {
+  return record.slid ? by_mm * *record.slid : by_mm * record.report.fraction();
+}
+
+/// Solves with bones and the sides of cuts kept apart. Returns their contact, or null.
+std::unique_ptr<CutContact> Session::solve_apart(const std::vector<Handle>& handles,
+                                                 const std::vector<PieceMotion>& pieces,
+                                                 StepRecord& record, Progress* progress) {
   // While a hand leads a bone its tissue waits: it is crushed where the bone comes to rest.
   const bool leads_bone = record.shift_pieces && !pieces.empty();
   std::unique_ptr<CutContact> contact;
@@ -66,6 +89,47 @@ void Session::move_quasi_statically(const std::vector<Handle>& handles,
   } else {
     solve(handles, pieces, record, progress);
   }
+  return contact;
+}
+
+/// The rest of a way that something has stopped, along one axis after the other: links limit each
+/// on its own.
+void Session::slide_on(StepRecord& record, Progress* progress) {
+  const double done = record.report.fraction();
+  Vec3d slid(done);
+  Silent silent(progress);
+  for (int c = 0; c < 3; ++c) {
+    StepRecord rest;
+    rest.limits = record.limits;
+    rest.shift_pieces = record.shift_pieces;
+    bool has_way = false;
+    for (Drag drag : record.drags) {
+      const double way_mm = slides(drag) ? drag.by_mm[c] * (1 - done) : 0;
+      drag.by_mm = Vec3d(0);
+      drag.by_mm[c] = way_mm;
+      drag.motion = {};
+      has_way = has_way || way_mm != 0;
+      rest.drags.push_back(std::move(drag));
+    }
+    slid[c] = 1;
+    if (!has_way) continue;
+    const std::vector<PieceMotion> pieces = motions_of(rest);
+    solve_apart(handles_of(rest, pieces, 1), pieces, rest, &silent);
+    if (!is_whole(rest.report)) slid[c] = done + (1 - done) * rest.report.fraction();
+    record.report.moved = std::max(record.report.moved, rest.report.moved);
+    add(rest.contact, record.contact);
+  }
+  record.slid = slid;
+}
+
+void Session::move_quasi_statically(const std::vector<Handle>& handles,
+                                    const std::vector<PieceMotion>& pieces, StepRecord& record,
+                                    Progress* progress) {
+  stage(progress, "solving");
+  std::unique_ptr<CutContact> contact = solve_apart(handles, pieces, record, progress);
+  const bool has_sliding = std::any_of(record.drags.begin(), record.drags.end(), slides);
+  if (has_sliding && !m_walk && !record.ball && !is_whole(record.report))
+    slide_on(record, progress);
   if (!handles.empty() || record.release) m_relaxed_by = {};
   debug(progress, std::string("solve: ") + (record.ball ? "ball" : name_of(record.report.engine)) +
                       " engine, " + std::to_string(record.report.visited) +

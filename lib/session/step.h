@@ -38,6 +38,8 @@ struct Drag {
   HandleMotion motion = {};
   double soft_mm = 0;  // width of an edge around a selected box or ball, which follows in part
   bool spares_fixed = false;  // leaves out what anchors hold, whole rigid pieces too
+  /// A shift that something stops goes on along each axis of the grid as far as that is free.
+  bool slides = false;
   /// Poses to pass through before the motion above; as many in every drag of a step that has any.
   std::vector<DragPose> way = {};
 };
@@ -92,6 +94,10 @@ struct BoneMeeting {
   bool is_kept = false;       // where it meets the other one
 };
 
+struct StepRecord;
+/// How far a shift of the step has gone, in mm along the grid axes.
+Vec3d way_done(const StepRecord& record, const Vec3d& by_mm);
+
 /// Results of a step. For drags with a way the report of the drag covers all poses: its fraction is
 /// the smallest, its moved elements are the most. All other members are those of the last pose.
 struct StepRecord : StepRequest {
@@ -99,6 +105,7 @@ struct StepRecord : StepRequest {
   std::int64_t removed = 0;               // elements
   EcmReport report;                       // of ball limits: the common members
   std::optional<BallReport> ball;         // when the step was solved under ball limits
+  std::optional<Vec3d> slid;              // parts of the way along the axes, of drags that slide
   std::optional<BoneStop> bones;          // where pieces met
   std::vector<BoneMeeting> meetings;      // of free pieces under finite elements
   SidesReport contact;                    // of the sides of cuts, after drag and relaxation

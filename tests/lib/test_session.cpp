@@ -250,6 +250,42 @@ TEST_F(UnitSession, HandlesArePlacedInTheMiddleOfTheirElements) {
   EXPECT_GT(places[2].elements, 30);
 }
 
+TEST_F(UnitSession, AHandleThatSlidesGoesOnAlongTheAxesThatAreFree) {
+  const Vec3d by(0.6, -0.4, 9);
+  const auto dragged = [&](const Vec3d& by_mm, bool slides) {
+    Session session(m_ball, m_options);
+    session.fix({{4, 4, 8}, {20, 20, 9}});
+    StepRequest request;
+    request.drags.push_back({Region(kGrabbed), by_mm});
+    request.drags[0].slides = slides;
+    const StepRecord record = session.step(request);
+    Vec3d reached;
+    for (int c = 0; c < 3; ++c) reached[c] = double(session.body().offset(kGrabbed, c)) / kVoxel;
+    reached *= session.geometry().spacing_mm();
+    return std::tuple(record, reached, session.state().q);
+  };
+  const auto [stopped, there, q_there] = dragged(by, false);
+  EXPECT_FALSE(stopped.slid);
+  EXPECT_LT(stopped.report.fraction(), 0.5);
+  EXPECT_NEAR(there.x, 0.6 * stopped.report.fraction(), 1e-4);
+  const auto [slid, reached, q] = dragged(by, true);
+  ASSERT_TRUE(slid.slid);
+  EXPECT_EQ(slid.report.fraction(), stopped.report.fraction());
+  EXPECT_EQ(slid.slid->x, 1);
+  EXPECT_EQ(slid.slid->y, 1);
+  EXPECT_NEAR(slid.slid->z, stopped.report.fraction(), 1e-4);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(reached[c], way_done(slid, by)[c], 1e-4) << c;
+  // Axes know nothing of each other, so that each is where a drag along it alone ends.
+  for (int c = 0; c < 2; ++c) {
+    Vec3d alone(0.0);
+    alone[c] = by[c];
+    EXPECT_NEAR(std::get<1>(dragged(alone, false))[c], reached[c], 1e-4) << c;
+  }
+  // What nothing stops is as without it.
+  EXPECT_EQ(std::get<2>(dragged({0.6, -0.4, 1}, true)),
+            std::get<2>(dragged({0.6, -0.4, 1}, false)));
+}
+
 TEST_F(UnitSession, ADragAlongOneAxisCreatesNoOtherCoordinate) {
   Session session(m_ball, {});
   session.drag(kGrabbed, {0, 3, 0});

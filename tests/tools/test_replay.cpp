@@ -128,6 +128,31 @@ TEST_F(UnitReplay, AGrabThatSparesWhatIsFixedTakesWhatLiesBesideIt) {
   EXPECT_NE(none.err.find("fixed elements alone"), std::string::npos) << none.err;
 }
 
+TEST_F(UnitReplay, AGrabThatSlidesFollowsTheHandWhereAnAnchorDoesNotStopIt) {
+  const auto grab = [](const std::string& more) {
+    return event("anchor", "grab_box = [4, 4, 8, 20, 20, 9]") +
+           event("grab", "grab = [12, 12, 16]\n" + more);
+  };
+  const std::string far = event("drag", "to = [0.2, 9.9, 9.9]");
+  const std::string file = journal(grab("slide = true") + far + event("drag", "to = [1, 0, 9.9]"));
+  const std::string end =
+      hash(file, "--threads 2 --scene " + (m_folder / "batch.toml") + " --journal " +
+                     (m_folder / "carried.toml") + " --state " + (m_folder / "live.vdb"));
+  EXPECT_EQ(hash(file, "--threads 1"), end);
+  EXPECT_EQ(hash(m_folder / "carried.toml"), end);
+  EXPECT_EQ(hash(m_folder / "batch.toml"), end);
+  const State live = read_state(m_folder / "live.vdb");
+  Slot slot;
+  ASSERT_TRUE(slot_of(live.elements, Vec3i(12, 12, 16), slot));
+  EXPECT_NEAR(live.q[0].at(slot) / kFixedOne, 1, 1e-3);
+  EXPECT_NEAR(live.q[1].at(slot) / kFixedOne, 0, 1e-3);
+  EXPECT_GT(live.q[2].at(slot) / kFixedOne, 1);
+  // Without it the anchor above holds it sideways, too, and stopped drags are as they were.
+  EXPECT_NE(hash(journal(grab("") + far + event("drag", "to = [1, 0, 9.9]"))), end);
+  const std::string near = event("drag", "to = [0.2, 0.3, 0.4]");
+  EXPECT_EQ(hash(journal(grab("slide = true") + near)), hash(journal(grab("") + near)));
+}
+
 TEST_F(UnitReplay, ACutThatIsTakenOutHasNeverBeenMade) {
   const auto cut = [](int i) {
     return event("cut",

@@ -10,8 +10,8 @@ namespace {
 
 /// Of a handle's or a step's keys those that say what it takes hold of.
 std::string selection_keys(const Json& all) {
-  std::vector<std::string> names = {"grab",       "grab_box", "at_mm", "points",
-                                    "grab_label", "soft",     "push",  "spare_fixed"};
+  std::vector<std::string> names = {"grab", "grab_box", "at_mm",       "points", "grab_label",
+                                    "soft", "push",     "spare_fixed", "slide"};
   GivenSelection selection;
   for (const Field& field : fields(selection)) names.push_back(field.name());
   Json keys = Json::object();
@@ -43,6 +43,7 @@ HeldPart handle_of(const GivenHandle& moved, const Json& keys) {
   part.given.soft_mm = moved.soft_mm;
   part.given.push = moved.push;
   part.given.spares_fixed = moved.spares_fixed;
+  part.given.slides = moved.slides;
   part.keys = selection_keys(keys);
   return part;
 }

@@ -190,7 +190,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   const Vec3d before = m_reached;
   run(event.kind, step, keys.dump(), progress);
   const StepRecord& record = m_session->records().back();
-  m_reached = before + by * record.report.fraction();
+  m_reached = before + way_done(record, by);
   const std::int64_t moved = m_led ? m_led->moved : 0;
   m_led = {event.to, m_reached, record.contact.parts < CutContact::kDragParts,
            std::max(moved, record.report.moved)};

@@ -366,6 +366,7 @@ nlohmann::ordered_json to_json(const StepRecord& record) {
   }
   nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
                                             : to_json(record.report, record.cut_links);
+  if (record.slid) json["slid"] = vector_json(*record.slid);
   if (record.removed > 0) json["removed"] = record.removed;
   if (record.bones) json["bones"] = to_json(*record.bones);
   if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);

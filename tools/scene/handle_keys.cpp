@@ -123,6 +123,7 @@ void read_poses(TomlTable& table, GivenHandle& handle) {
     require_later(pose, handle.path);
   }
   if (!handle.is_animated()) return;
+  if (handle.slides) table.fail("slide", "slide beside path", "a shift, or a path that stops");
   for (const char* key : {"by", "by_mm_lps", "scale", "scale_axes", "rotate"}) {
     if (table.has(key)) table.fail(key, std::string(key) + " beside path", "it in the path's keys");
   }

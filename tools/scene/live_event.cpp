@@ -50,6 +50,7 @@ void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
   static_cast<GivenSelection&>(handle) = read_anchor(table, names);
   handle.soft_mm = table.number("soft").value_or(0);
   handle.spares_fixed = table.boolean("spare_fixed").value_or(false);
+  handle.slides = table.boolean("slide").value_or(false);
   handle.push = event.kind == EventKind::push;
 }
 

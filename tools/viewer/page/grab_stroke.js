@@ -68,7 +68,7 @@ export class GrabStroke {
     const {soft} = this.app.settings;
     const place = this.radius > 0 ? {grab_ball: voxel, radius: this.radius} : {grab: voxel};
     // Beside an anchor the handle takes what the anchor does not hold.
-    this.events.push(this.session.event({kind, ...place, ...(soft > 0 ? {soft} : {}), spare_fixed: true}));
+    this.events.push(this.session.event({kind, ...place, ...(soft > 0 ? {soft} : {}), spare_fixed: true, slide: true}));
     this.tell();
   }
 
