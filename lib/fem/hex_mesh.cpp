@@ -12,13 +12,15 @@ namespace {
 constexpr int kAxisBit[3] = {4, 2, 1};
 /// Levels end there: the factorisation of so many nodes takes some 100 ms.
 constexpr NodeIndex kCoarsestNodes = 600;
+/// Parts of the time of coarsening after which elements are grouped, and corners joined.
+constexpr double kGrouping = 0.3, kJoining = 0.8;
 
 /// One node per set of corners.
-void number_nodes(HexMesh& mesh, CornerSets& sets, const Progress* progress) {
+void number_nodes(HexMesh& mesh, CornerSets& sets, const StagePart& stage) {
   NodeIndex nodes = 0;
   std::vector<Corners> corners(mesh.offset.size());
   for (std::size_t b = 0; b < mesh.block_count(); ++b) {
-    poll(progress);
+    stage.done(b, mesh.block_count());
     mesh.node_begin.push_back(nodes);
     const auto for_all_corners = [&](auto&& visit) {
       for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
@@ -264,12 +266,12 @@ void join_common_corners(std::int32_t a, const Vec3i& cell_a, std::int32_t b, co
 void join_around_nodes(const HexMesh& fine, const std::vector<std::int32_t>& parents,
                        const std::vector<Vec3i>& coarse_cells, std::vector<std::int32_t>& first_of,
                        std::vector<std::uint8_t>& place_of, CornerSets& sets,
-                       const Progress* progress) {
+                       const StagePart& stage) {
   first_of.assign(fine.node_count(), -1);
   place_of.resize(fine.node_count());
   std::int32_t last_a = -1, last_b = -1;
   for (std::size_t block = 0; block < fine.block_count(); ++block) {
-    poll(progress);
+    stage.done(block, fine.block_count());
     for (std::int32_t e = fine.element_begin[block]; e < fine.element_begin[block + 1]; ++e) {
       const std::int32_t parent = parents[e];
       const int place = place_in_parent(cell_of(fine, block, e));
@@ -310,7 +312,7 @@ Parents::Parents(std::vector<std::int32_t> parents, const std::vector<std::int32
   }
 }
 
-HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* progress) {
+HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const StagePart& stage) {
   HexMesh coarse;
   coarse.geometry = fine.geometry;
   coarse.level = fine.level + 1;
@@ -334,7 +336,7 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* pro
   CellChildren children;
   std::vector<std::uint8_t> places;
   for (std::size_t block = 0; block < coarse.block_count(); ++block) {
-    poll(progress);
+    stage.part(0, kGrouping).done(block, coarse.block_count());
     coarse.element_begin.push_back(coarse.element_count());
     sort_into_cells(fine, children_of[block], children);
     places.resize(children.element.size());
@@ -356,7 +358,8 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* pro
   coarse.element_begin.push_back(coarse.element_count());
   CornerSets sets(8 * coarse.offset.size());
   std::vector<std::int32_t> parents_of_nodes;
-  join_around_nodes(fine, parents, cells, parents_of_nodes, coarsening.node_place, sets, progress);
+  join_around_nodes(fine, parents, cells, parents_of_nodes, coarsening.node_place, sets,
+                    stage.part(kGrouping, kJoining));
   coarsening.first_element.resize(fine.block_count());
   for (std::size_t block = 0; block < coarse.block_count(); ++block) {
     for (const std::int32_t b : children_of[block]) {
@@ -366,15 +369,17 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* pro
   coarsening.parent = Parents(std::move(parents), fine.element_begin, coarsening.first_element);
   coarsening.node_parent =
       Parents(std::move(parents_of_nodes), fine.node_begin, coarsening.first_element);
-  number_nodes(coarse, sets, progress);
+  number_nodes(coarse, sets, stage.part(kJoining, 1));
   return coarse;
 }
 
 MeshLevels::MeshLevels(HexMesh voxels, Progress* progress) {
+  stage(progress, "making meshes");
   meshes.push_back(std::move(voxels));
-  while (meshes.back().node_count() > kCoarsestNodes) {
+  // Of eight elements one is left.
+  for (double left = 1; meshes.back().node_count() > kCoarsestNodes; left /= 8) {
     Coarsening coarsening;
-    HexMesh coarse = coarsen(meshes.back(), coarsening, progress);
+    HexMesh coarse = coarsen(meshes.back(), coarsening, {progress, 1 - left, left * 7 / 8});
     // Pieces that do not become fewer are factorised as they are.
     if (coarse.node_count() > 0.8 * meshes.back().node_count()) break;
     coarsenings.push_back(std::move(coarsening));

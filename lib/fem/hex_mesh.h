@@ -120,11 +120,25 @@ struct Coarsening {
   std::size_t bytes() const;
 };
 
+/// A part of a stage: what is done of it is told as so much of the stage.
+struct StagePart {
+  Progress* progress = nullptr;
+  double begin = 0, size = 1;
+
+  /// Throws Cancelled.
+  void done(std::size_t count, std::size_t of) const {
+    report(progress, begin + size * double(count) / double(of));
+  }
+  StagePart part(double from, double to) const {
+    return {progress, begin + from * size, (to - from) * size};
+  }
+};
+
 /// Cells of twice the width. A cell has an element wherever it has children, and one for each
 /// group of children that share no node; elements of neighbouring cells share the corners of their
 /// common face, edge or corner when any of their children share a node. So nodes of thin shells
 /// and on both sides of gaps stay apart on all levels.
-HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const Progress* progress = nullptr);
+HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const StagePart& stage = {});
 
 /// Meshes of all levels, finest first, and how each lies in the next.
 struct MeshLevels {

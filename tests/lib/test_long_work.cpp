@@ -1,6 +1,7 @@
 // Work that takes long tells how far it is, and looks for a wish to stop within every stage.
 #include <algorithm>
 #include <ctime>
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -27,6 +28,7 @@ class Listener final : public Progress {
     EXPECT_LE(fraction, 1) << m_stage;
     m_told = fraction;
     ++updates;
+    ++updates_in[m_stage];
   }
   bool cancelled() const override {
     const std::clock_t now = std::clock();
@@ -40,6 +42,7 @@ class Listener final : public Progress {
   double told() const { return m_told; }
 
   int updates = 0;
+  std::map<std::string, int> updates_in;
   mutable std::clock_t longest = 0;
   mutable std::string longest_in;
 
@@ -92,6 +95,7 @@ TEST(PropertyLongWork, FiniteElementsTellEveryIterationAndLookWithinEveryStage) 
   expect_looks(listener, start);
   EXPECT_GE(listener.updates, model.report().iterations);
   EXPECT_GT(listener.told(), 0.9);
+  EXPECT_GT(listener.updates_in["making meshes"], 20);
 }
 
 TEST(PropertyLongWork, FiniteElementsStopAtAnyLookAndLeaveTheBodyAsItWas) {
