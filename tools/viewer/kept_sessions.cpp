@@ -34,6 +34,7 @@ constexpr const char* kSaved = "# saved\n";
 constexpr const char* kEvent = "\n[[event]]\n";
 constexpr std::size_t kMostKept = 20;
 constexpr std::time_t kTryAgainSeconds = 10;
+constexpr auto kSyncEvery = std::chrono::milliseconds(800);
 constexpr std::size_t kMostRead = std::size_t(256) << 20;
 
 /// A file that no running session has open, as its lock says; -1: none.
@@ -113,6 +114,14 @@ void prune(const std::string& folder) {
   }
 }
 
+/// Names of files in it last when this returns.
+void sync_folder(const std::string& folder) {
+  const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (opened < 0) return;
+  ::fsync(opened);
+  ::close(opened);
+}
+
 /// Letters of a volume's name that any file system takes.
 std::string plain_name(const std::string& path) {
   std::string name = fs::path(path).filename().string().substr(0, 60);
@@ -186,6 +195,7 @@ KeptJournal::KeptJournal(std::string folder, std::string input, std::string repl
       m_warn(std::move(warn)) {}
 
 KeptJournal::~KeptJournal() {
+  m_sync.reset();
   if (m_file < 0) return;
   if (m_is_saved && m_pending.empty()) ::unlink(m_path.c_str());
   ::close(m_file);
@@ -216,7 +226,7 @@ bool KeptJournal::make_folder() {
   return ::mkdir(m_folder.c_str(), 0700) == 0 || errno == EEXIST;
 }
 
-/// Complete before it has its name, so that what it replaces can go.
+/// Complete and on the disk before it has its name, so that what it replaces can go.
 bool KeptJournal::make_file(const std::string& text) {
   const std::string made = m_path + ".new";
   m_file = ::open(made.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
@@ -224,7 +234,12 @@ bool KeptJournal::make_file(const std::string& text) {
   ::flock(m_file, LOCK_EX | LOCK_NB);
   const ssize_t written = ::write(m_file, text.data(), text.size());
   if (written >= 0 && written != ssize_t(text.size())) errno = ENOSPC;
-  if (written == ssize_t(text.size()) && ::rename(made.c_str(), m_path.c_str()) == 0) return true;
+  if (written == ssize_t(text.size()) && ::fdatasync(m_file) == 0 &&
+      ::rename(made.c_str(), m_path.c_str()) == 0) {
+    sync_folder(m_folder);
+    m_sync.emplace([file = m_file] { ::fdatasync(file); }, kSyncEvery);
+    return true;
+  }
   const int why = errno;
   ::unlink(made.c_str());
   ::close(std::exchange(m_file, -1));
@@ -275,6 +290,7 @@ void KeptJournal::write_pending() {
   m_last = m_whole;
   m_whole += std::int64_t(written);
   m_pending.clear();
+  m_sync->wrote();
 }
 
 void KeptJournal::fail(const std::string& what, int error) {

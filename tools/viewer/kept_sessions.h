@@ -4,7 +4,7 @@
 // A file is a journal that `supple replay` runs at any moment, with what it needs to know in
 // comments: the input that was opened, and a line "# saved" after the events that a save holds. An
 // event is one write, what it replaces is cut off before; what a full disk takes in part is cut off
-// again and written with the next event.
+// again and written with the next event. A power cut loses at most a second.
 #pragma once
 
 #include <ctime>
@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/viewer/disk_sync.h"
 #include "tools/viewer/folders.h"
 
 namespace supple::tools {
@@ -77,7 +78,8 @@ class KeptJournal {
   std::int64_t m_last = 0;   // where the last of them begins
   std::string m_pending;     // not written yet
   bool m_is_saved = true, m_has_failed = false;
-  std::time_t m_next_try = 0;  // to begin a file, after a failure
+  std::time_t m_next_try = 0;      // to begin a file, after a failure
+  std::optional<DiskSync> m_sync;  // of m_file
 };
 
 }  // namespace supple::tools
