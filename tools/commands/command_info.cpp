@@ -107,6 +107,7 @@ nlohmann::ordered_json describe_volume(const std::string& path, ReadOptions read
   if (header.components != 3) require_scalars(header);
   nlohmann::ordered_json json;
   json["format"] = header.format;
+  if (!header.modality.empty()) json["modality"] = header.modality;
   json["type"] = numpy_name(header.type);
   if (frames > 1) {
     json["frames"] = frames;

@@ -27,20 +27,35 @@ struct AssumedMaterial {
   std::string text;
 };
 
+/// What says whether values are Hounsfield units, and whether they are.
+struct FoundUnits {
+  bool are_hounsfield;
+  std::string by;
+};
+
+FoundUnits units_of(VolumeFile& file, Progress* progress) {
+  const std::string& modality = file.header().modality;
+  if (modality == "CT" || modality == "MR")
+    return {modality == "CT", "its modality is " + modality};
+  const VolumeStatistics statistics = digest_volume(file, progress).statistics;
+  const bool are_hounsfield = are_hounsfield_units(statistics.min);
+  return {are_hounsfield, are_hounsfield ? "densities are HU" : "densities are not HU"};
+}
+
 AssumedMaterial assumed_material(const std::string& path, Progress* progress) {
   const auto file = open_volume(path, {});
-  const VolumeStatistics statistics = digest_volume(*file, progress).statistics;
-  if (!are_hounsfield_units(statistics.min)) {
+  const FoundUnits found = units_of(*file, progress);
+  if (!found.are_hounsfield) {
     return {"mr-brain",
-            "no material is given and densities are not HU: mr-brain is assumed; what is darker "
-            "than the threshold between background and tissue is left out, and so is all but the "
-            "largest connected part"};
+            "no material is given and " + found.by +
+                ": mr-brain is assumed; what is darker than the threshold between background and "
+                "tissue is left out, and so is all but the largest connected part"};
   }
   const Geometry& geometry = file->header().geometry;
   const Vec3d spacing = geometry.spacing_mm();
   const double width = std::max(geometry.dims().x * spacing.x, geometry.dims().y * spacing.y);
   const char* preset = width > kWidestHeadMm ? "ct-body" : "ct-head";
-  return {preset, std::string("no material is given and densities are HU, ") +
+  return {preset, "no material is given and " + found.by + ", " +
                       std::to_string(int(std::lround(width))) + " mm wide: " + preset +
                       " is assumed; air below -300 HU is left out, and so is all but the largest "
                       "connected part, such as the headrest; bone is rigid"};
@@ -50,7 +65,7 @@ AssumedMaterial assumed_material(const std::string& path, Progress* progress) {
 
 OpenedFile opened_file(const std::string& path, const std::string& material,
                        const std::string& preset, Progress* progress) {
-  if (std::filesystem::path(path).extension() == ".toml") return {TomlTable::read(path), ""};
+  if (std::filesystem::path(path).extension() == ".toml") return {TomlTable::read(path), "", false};
   std::string assumed;
   Json json = {{"volume", {{"path", absolute_path(path)}}}};
   if (find_tissue_preset(material) != nullptr) {
@@ -64,7 +79,7 @@ OpenedFile opened_file(const std::string& path, const std::string& material,
   }
   json["view"].push_back({{"image", "live.png"}});
   if (!preset.empty()) json["view"][0]["preset"] = preset;
-  return {TomlTable::parse(toml_document(json.dump()), path), assumed};
+  return {TomlTable::parse(toml_document(json.dump()), path), assumed, true};
 }
 
 void require_within(TomlTable& root, const Folders& folders) {

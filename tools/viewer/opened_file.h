@@ -1,5 +1,5 @@
-// A file that is opened in the viewer, as the root of a scene; and the material that is assumed for
-// a volume for which none is given.
+// A file that is opened in the viewer, as the root of a scene; and what is assumed of a scan: its
+// material where none is given, by its modality, and that CT is seen from outside.
 #pragma once
 
 #include <string>
@@ -15,11 +15,13 @@ constexpr const char* kUniform = "uniform";
 
 struct OpenedFile {
   TomlTable root;
-  std::string assumed;  // what was assumed for want of a material, one line; empty: nothing
+  std::string assumed;   // what was assumed for want of a material, one line; empty: nothing
+  bool is_scan = false;  // a volume or a state, which does not say how it is looked at
 };
 
 /// A scene or journal is its own root. Of a volume the material is one that is given (a preset, the
-/// path of a table, or kUniform), else the preset that fits its densities. Throws InputError.
+/// path of a table, or kUniform), else the preset that fits its modality, by DICOM's (0008,0060) or
+/// else by its densities. Throws InputError.
 OpenedFile opened_file(const std::string& path, const std::string& material,
                        const std::string& preset, Progress* progress);
 

@@ -59,6 +59,15 @@ TEST(UnitDicomSeries, SlicesThatDescendAlongTheNormalAreReadFromTheOtherEnd) {
   EXPECT_EQ(values_of(*file), expected_values(ascending));
 }
 
+TEST(UnitDicomSeries, TheHeaderHasTheModality) {
+  for (const char* const modality : {"CT", "MR", ""}) {
+    const TemporaryFolder folder;
+    SeriesFixture series;
+    series.edit = [&](DcmDataset& data, int) { put(data, DCM_Modality, modality); };
+    EXPECT_EQ(open_all(folder, series)->header().modality, modality);
+  }
+}
+
 TEST(UnitDicomSeries, AFileStandsForItsSeriesInTheFolder) {
   const TemporaryFolder folder;
   SeriesFixture series, other;

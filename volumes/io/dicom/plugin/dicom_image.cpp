@@ -179,6 +179,7 @@ DicomImage read_image(DicomFile& file, const ReadOptions& options) {
   image.series_uid = text_of(dataset, DCM_SeriesInstanceUID);
   image.description = text_of(dataset, DCM_SeriesDescription);
   image.instance_uid = text_of(dataset, DCM_SOPInstanceUID);
+  image.modality = text_of(dataset, DCM_Modality);
   image.syntax = file.syntax;
   image.data_offset = file.data_offset;
   image.lossy = text_of(dataset, DCM_LossyImageCompression) == "01" ||

@@ -37,7 +37,7 @@ struct PixelPlace {
 
 struct DicomImage {
   std::string path;
-  std::string series_uid, description, instance_uid;
+  std::string series_uid, description, instance_uid, modality;
   E_TransferSyntax syntax = EXS_Unknown;
   std::int64_t data_offset = 0;  // of the dataset in the file
   PixelPlace pixels;

@@ -22,6 +22,7 @@ class DicomVolume : public VolumeFile {
     m_header.path = path;
     for (const DicomImage& image : m_series.images) m_header.data_files.push_back(image.path);
     m_header.format = "dicom";
+    m_header.modality = printable(m_series.images.front().modality);
     m_header.type = m_series.images.front().format.type();
     m_header.warnings = m_series.warnings;
     m_header.warnings.insert(m_header.warnings.end(), m_stack.warnings.begin(),
