@@ -18,21 +18,19 @@ bool is_verb(const std::string& key) {
   return std::find(kVerbs.begin(), kVerbs.end(), key) != kVerbs.end();
 }
 
-/// Texts of an event that are no paths; every other one must name a file within the folders.
-constexpr std::array<const char*, 19> kPlainTexts = {
-    "kind",    "preset",     "view",   "projection", "keep",    "space",      "limits",
-    "model",   "frame",      "method", "name",       "blend",   "background", "components",
-    "combine", "integrator", "solver", "easing",     "boundary"};
+/// Keys of an event whose texts name files, which begin at the first folder where they are
+/// relative. Any file that is read, by whatever key, must lie within the folders all the same.
+constexpr std::array<const char*, 7> kFileKeys = {"table",    "points", "fix_points", "mesh",
+                                                  "transfer", "camera", "path"};
 
-void check_texts(Json& value, const std::string& key, const Folders& folders) {
+void resolve_files(Json& value, const std::string& key, const Folders& folders) {
   if (value.is_object()) {
-    for (auto& [name, entry] : value.items()) check_texts(entry, name, folders);
+    for (auto& [name, entry] : value.items()) resolve_files(entry, name, folders);
   } else if (value.is_array()) {
-    for (Json& entry : value) check_texts(entry, key, folders);
+    for (Json& entry : value) resolve_files(entry, key, folders);
   } else if (value.is_string()) {
-    const bool is_plain =
-        std::find(kPlainTexts.begin(), kPlainTexts.end(), key) != kPlainTexts.end();
-    if (!is_plain) value = folders.input(value.get<std::string>());
+    const bool is_file = std::find(kFileKeys.begin(), kFileKeys.end(), key) != kFileKeys.end();
+    if (is_file) value = folders.input(value.get<std::string>());
   }
 }
 
@@ -92,7 +90,7 @@ TomlTable table_of(const PageMessage& message) {
 
 LiveEvent event_of(const PageMessage& message, const LabelNames& names, const Folders& folders) {
   PageMessage checked = message;
-  check_texts(checked.value, "", folders);
+  resolve_files(checked.value, "", folders);
   TomlTable table = table_of(checked);
   table.admit_inputs(
       [&folders](const std::string& path) { folders.input(std::filesystem::absolute(path)); });
