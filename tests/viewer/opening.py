@@ -1,5 +1,6 @@
 """What is opened and from where: materials that are assumed, scenes of several views, states that list
 what they hold, proxies, other ports and addresses."""
+import json
 import os
 import socket
 import struct
@@ -70,6 +71,79 @@ def materials_are_assumed(folder):
     server.stop()
 
 
+def write_dicom(folder, modality, air, tissue):
+    """A series of slices as scanners write it, explicit VR little endian, by hand."""
+    def element(group, number, vr, value):
+        value = value.encode() if isinstance(value, str) else value
+        value += b" " if len(value) % 2 and vr not in ("UI", "OW") else b"\0" if len(value) % 2 else b""
+        long = struct.pack("<HI", 0, len(value)) if vr == "OW" else struct.pack("<H", len(value))
+        return struct.pack("<HH", group, number) + vr.encode() + long + value
+
+    os.makedirs(folder, exist_ok=True)
+    size = 16
+    for k in range(size):
+        uid = f"1.2.826.0.1.3680043.8.498.7.{k + 1}"
+        meta = (element(2, 2, "UI", "1.2.840.10008.5.1.4.1.1.2") + element(2, 3, "UI", uid) +
+                element(2, 16, "UI", "1.2.840.10008.1.2.1"))
+        values = [(1200 if (i - 8) ** 2 + (j - 8) ** 2 + (k - 8) ** 2 < 6 else tissue)
+                  if (i - 8) ** 2 + (j - 8) ** 2 + (k - 8) ** 2 < 36 else air
+                  for j in range(size) for i in range(size)]
+        data = (element(8, 0x16, "UI", "1.2.840.10008.5.1.4.1.1.2") + element(8, 0x18, "UI", uid) +
+                element(8, 0x60, "CS", modality) + element(0x20, 0xD, "UI", "1.2.826.0.1.3680043.8.498.8") +
+                element(0x20, 0xE, "UI", "1.2.826.0.1.3680043.8.498.7") + element(0x20, 0x32, "DS", f"0\\0\\{10 * k}") +
+                element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") + element(0x28, 2, "US", struct.pack("<H", 1)) +
+                element(0x28, 4, "CS", "MONOCHROME2") + element(0x28, 0x10, "US", struct.pack("<H", size)) +
+                element(0x28, 0x11, "US", struct.pack("<H", size)) + element(0x28, 0x30, "DS", "10\\10") +
+                element(0x28, 0x100, "US", struct.pack("<H", 16)) + element(0x28, 0x101, "US", struct.pack("<H", 16)) +
+                element(0x28, 0x102, "US", struct.pack("<H", 15)) + element(0x28, 0x103, "US", struct.pack("<H", 1)) +
+                element(0x7FE0, 0x10, "OW", struct.pack(f"<{size * size}h", *values)))
+        with open(f"{folder}/{k:02d}.dcm", "wb") as file:
+            file.write(b"\0" * 128 + b"DICM" + element(2, 0, "UL", struct.pack("<I", len(meta))) + meta + data)
+
+
+def modality_comes_before_densities(folder):
+    """CT without air and MR that reaches below it are known by DICOM's tag; without it densities are asked."""
+    for modality, air, preset, by in (("CT", 0, "ct-head", "its modality is CT"),
+                                      ("MR", -300, "mr-brain", "its modality is MR"),
+                                      ("OT", -1000, "ct-head", "densities are HU")):
+        series = f"{folder}/series_{modality}"
+        write_dicom(series, modality, air, 100)
+        told = json.loads(subprocess.run([binary(), "info", series, "--json", "--quiet"], capture_output=True,
+                                         check=True).stdout)
+        expect(told["modality"] == modality, told)
+        server = Server(series, folder=folder)
+        assumed = begin(server).scene["assumed"]
+        expect(f"{preset} is assumed" in assumed and by in assumed, assumed)
+        server.stop()
+
+
+def ct_is_seen_from_outside(folder):
+    """By its skin, which moves where a hand drags; a look that is given stays, and no event says so."""
+    write_scan(folder + "/ct.nrrd", -1000, 40, 1200)
+    for options, look in (((), "Skin"), (("--preset", "Bone"), "Bone")):
+        server = Server("ct.nrrd", *options, folder=folder)
+        page = begin(server)
+        expect(page.scene["view"]["preset"] == look, page.scene["view"]["preset"])
+        expect([step["kind"] for step in page.scene["undo"]] == ["anchor"], page.scene["undo"])
+        page.event("look", preset="CT-Bone")
+        page.event("undo", looks=True)
+        expect(page.carried_out()["view"]["preset"] == look, "taken back to what it began with")
+        page.ask(save={"what": "journal", "path": f"look_{look}.toml"})
+        page.ask(save={"what": "state", "path": f"look_{look}.vdb"})
+        page.ask(open={"path": f"look_{look}.toml"})
+        page.until(lambda: page.scene["volume"]["path"].endswith("ct.nrrd") and page.scene["undo"])
+        expect(page.scene["view"]["preset"] == look, "the journal says so")
+        page.ask(open={"path": f"look_{look}.vdb"})
+        page.until(lambda: page.scene["volume"]["path"].endswith(".vdb"))
+        expect(page.scene["view"]["preset"] == "Skin", "a state says nothing of its look")
+        server.stop()
+    with open(folder + "/plain.toml", "w") as scene:
+        scene.write('[volume]\npath = "ct.nrrd"\n[material]\npreset = "ct-head"\n[[view]]\nimage = "a.png"\n')
+    server = Server("plain.toml", folder=folder)
+    expect(begin(server).scene["view"]["preset"] == "Bone", "a scene is seen as supple run draws it")
+    server.stop()
+
+
 def scenes_of_several_views_open(folder):
     with open(folder + "/several.toml", "w") as scene:
         scene.write('[volume]\npath = "ball.nrrd"\n'
@@ -131,6 +205,8 @@ def states_list_what_they_hold(folder):
         expect(all(abs(a - b) < 0.05 for a, b in
                    zip(after["handles"][0][key], before["handles"][0][key])), after["handles"])
     expect(after["handles"][0]["event"]["radius"] == 3 and "number" not in after["handles"][0], after["handles"])
+    expect(after["handles"][0]["is_place"] and "is_place" not in before["handles"][0], "nothing holds it any more")
+    expect("number" in before["handles"][0] and "number" in before["anchors"][1], before)
     anchors = [anchor["event"].get("grab_ball", anchor["event"].get("grab_box")) for anchor in after["anchors"]]
     expect(sorted(anchors) == [[20, 20, 8], [20, 30, 20, 20, 30, 20]], after["anchors"])
     curve = after["cuts"][0]["event"]["curve"]
@@ -141,9 +217,22 @@ def states_list_what_they_hold(folder):
     expect([cut.get("number") for cut in scene["cuts"]] == [None, 1], scene["cuts"])
     page.event("release", cut=1)
     expect(len(page.carried_out()["cuts"]) == 1, page.scene["cuts"])
+    # Beside anchors of a state one alone cannot be let go of: none is offered, until all were let go of.
+    page.event("anchor", grab=[12, 20, 20])
+    expect([anchor.get("number") for anchor in page.carried_out()["anchors"]] == [None] * 3, page.scene["anchors"])
     page.event("release", all=True)
     scene = page.carried_out()
     expect(scene["handles"] == [] and scene["anchors"] == [] and len(scene["cuts"]) == 1, scene)
+    page.event("anchor", grab=[12, 20, 20])
+    page.event("anchor", grab=[20, 30, 20])
+    expect([anchor.get("number") for anchor in page.carried_out()["anchors"]] == [1, 2], page.scene["anchors"])
+    page.event("release", anchor=1)
+    expect(len(page.carried_out()["anchors"]) == 1, page.scene["anchors"])
+    expect(not [log for log in page.logs if log["level"] == "error"], page.logs)
+    # A patch is drawn by its side that lies furthest out.
+    page.event("cut", plane={"corner": [20, 18, 10], "edge1": [0, -18, 0], "edge2": [0, 0, 18]})
+    sheet = page.carried_out()["cuts"][-1]["sheet"]
+    expect(all(abs(place[1]) < 0.6 for place in sheet["line"]) and sheet["down"][1] > 17, sheet)
     server.stop()
 
 
@@ -207,7 +296,7 @@ def from_elsewhere(folder):
 
 def main():
     with ball_folder() as folder:
-        for part in (materials_are_assumed, scenes_of_several_views_open,
+        for part in (materials_are_assumed, modality_comes_before_densities, ct_is_seen_from_outside, scenes_of_several_views_open,
                      files_of_the_view_are_found_from_any_folder, states_list_what_they_hold, from_elsewhere):
             begun = time.monotonic()
             part(folder)

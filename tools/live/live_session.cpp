@@ -236,6 +236,12 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   m_pending = relaxation.step.relax->passes;
 }
 
+bool LiveSession::can_let_go_of_one() const {
+  const bool was_released = std::any_of(m_done.begin(), m_done.end(),
+                                        [](const DoneStep& done) { return done.step.release; });
+  return (!m_is_state_anchored || was_released) && !held_parts(m_done).has_others;
+}
+
 /// A session lets go of everything; what stays is held and fixed again in the same step.
 void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* progress) {
   const bool is_handle = event.handle > 0;
@@ -247,7 +253,7 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
     throw InputError({event.place, field, std::to_string(number),
                       "one of " + std::to_string(list.size()) + " that there are, from 1"});
   }
-  if (parts.has_others || m_is_state_anchored) {
+  if (!can_let_go_of_one()) {
     throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
                       "all, which lets go of everything"});
   }

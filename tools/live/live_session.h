@@ -45,6 +45,8 @@ class LiveSession {
   const Scene& scene() const { return m_scene; }
   /// As the events so far ask for it.
   const SceneView& view() const { return m_view; }
+  /// The look that a session begins with whose file has none, as if the file had it.
+  void begin_with_look(const std::string& preset);
 
   /// Gets every event that is carried out from now on, as JSON of the keys that a journal has; one
   /// that replaces the last says all that that one did.
@@ -85,6 +87,9 @@ class LiveSession {
     std::int64_t moved = 0;  // elements, at most by one drag since the grab
   };
   const std::optional<LedDrag>& led() const { return m_led; }
+  /// Whether one handle or anchor may be let go of while others stay: not beside fixed labels and
+  /// points, nor where the opened state fixes elements.
+  bool can_let_go_of_one() const;
   Limits limits() const { return m_limits; }
   StepModel model() const;
 

@@ -70,6 +70,13 @@ void LiveSession::choose_view(const TomlTable& root, Progress* progress) {
   if (m_view.image.empty()) m_view.image = kNoPicture;
 }
 
+void LiveSession::begin_with_look(const std::string& preset) {
+  const Json given = Json::parse(m_first_view_keys);
+  if (given.contains("preset") || given.contains("transfer")) return;
+  set_part_of_view(EventKind::look, Json({{"preset", preset}}).dump(), "");
+  m_first_view_keys = m_view_keys;
+}
+
 /// Of cameras in a row the last says it all, and of looks or clips the last of one step.
 void LiveSession::change_view(const LiveEvent& event) {
   const std::string before = part_of(Json::parse(m_view_keys), event.kind);

@@ -60,6 +60,10 @@ std::string Folders::output(const std::string& path) const {
   const fs::path given = absolute(path);
   const std::string name = given.filename().string();
   if (name.empty() || name == "." || name == "..") refuse(path);
+  if (name.front() == '.') {
+    throw InputError(
+        {path, "path", "a hidden file, which no list shows", "a name without a dot first"});
+  }
   const fs::path file = fs::path(input(given.parent_path().string())) / name;
   std::error_code error;
   const fs::file_status status = fs::symlink_status(file, error);

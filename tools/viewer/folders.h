@@ -15,7 +15,7 @@ class Folders {
   /// The file or folder without links, to be read. Relative paths begin at the first folder. Throws
   /// InputError where it is missing or outside; outside both look alike.
   std::string input(const std::string& path) const;
-  /// A file to be written: not a link, and its folder is there. Throws InputError.
+  /// A file to be written: neither a link nor hidden, and its folder is there. Throws InputError.
   std::string output(const std::string& path) const;
 
   /// Whether a file that is there lies within.

@@ -70,6 +70,12 @@ void OpenScene::keep(std::unique_ptr<KeptJournal> journal) {
   });
 }
 
+void OpenScene::begin_outside() {
+  if (are_hounsfield_units(picture().opened().density.background())) {
+    m_live.begin_with_look("Skin");
+  }
+}
+
 void OpenScene::page_left(int page, double at_ms) {
   if (!m_live.grabbed() || m_live.grabbed()->page != page) return;
   LiveEvent event;

@@ -48,6 +48,8 @@ class OpenScene final : public LoopWatcher {
   void stop(const std::vector<LiveEvent>& given_up);
   /// Writes what is carried out from now on into a journal on disk.
   void keep(std::unique_ptr<KeptJournal> journal);
+  /// CT for which no look is given begins with the skin: bone hides where soft tissue moves.
+  void begin_outside();
   /// What was assumed when it was opened, which the pages tell.
   void assume(const std::string& text) { m_assumed = text; }
   /// A file holds all that was done.

@@ -8,6 +8,7 @@
 #include "tools/scene/json.h"
 #include "tools/viewer/open_scene.h"
 #include "tools/viewer/page_queries.h"
+#include "tools/viewer/parts_json.h"
 #include "volumes/grid/volume.h"
 
 namespace supple::tools {
@@ -63,18 +64,6 @@ Json history_json(const std::vector<History::Entry>& entries) {
   return list;
 }
 
-/// A selection's keys in few words.
-std::string words_of(const Json& keys) {
-  for (const char* key : {"grab", "grab_box", "grab_ball", "grab_label", "grab_density", "at_mm",
-                          "piece_at", "rigid_at", "points"}) {
-    if (!keys.contains(key)) continue;
-    std::string words = std::string(key) + " " + keys[key].dump();
-    if (keys.contains("radius")) words += ", " + keys["radius"].dump() + " mm";
-    return words;
-  }
-  return "a part of the body";
-}
-
 Json drag_json(const LiveSession::LedDrag& led) {
   constexpr double kWholeMm = 1e-3;
   const bool is_whole = (led.asked - led.reached).length() < kWholeMm;
@@ -83,144 +72,6 @@ Json drag_json(const LiveSession::LedDrag& led) {
                {"moved", led.moved}};
   json["stopped_by"] = is_whole ? Json(nullptr) : Json(led.by_cut ? "cut" : "held");
   return json;
-}
-
-/// Keys of an event from those of a step's entry.
-Json event_json(const char* kind, Json keys) {
-  for (const char* key : {"by", "by_mm_lps", "push"}) keys.erase(key);
-  Json event = {{"kind", kind}};
-  event.update(keys);
-  return event;
-}
-
-/// Where a place of the body at rest is now, in LPS mm.
-Vec3d place_now(const Vec3d& rest_index, const State& state, const Displacement& moved) {
-  Vec3d u(0);
-  if (!moved.u.sample(rest_index, u)) u = Vec3d(0);
-  return state.geometry.world_from_index(rest_index + u);
-}
-
-Json held_json(const char* kind, const Json& keys) {
-  return {{"text", words_of(keys)}, {"event", event_json(kind, keys)}};
-}
-
-/// Where what is held was and is.
-void add_places(Json& json, const Vec3d& rest_index, const State& state,
-                const Displacement& moved) {
-  json["voxel"] = vector_json(rest_index);
-  json["lps"] = vector_json(place_now(rest_index, state, moved));
-  json["rest_lps"] = vector_json(state.geometry.world_from_index(rest_index));
-}
-
-/// The middle of a voxel, box or ball, or the place of a piece; nothing of other selections.
-std::optional<Vec3d> middle_of(const GivenSelection& given, const Geometry& geometry) {
-  for (const auto& place : {given.piece_at, given.rigid_at}) {
-    if (place) return index_of(*place, given.frame, geometry);
-  }
-  if (given.at_lps_mm) return geometry.index_from_world(*given.at_lps_mm);
-  if (given.ball) return index_of(*given.ball, given.frame, geometry);
-  if (!given.corners) return std::nullopt;
-  return (index_of((*given.corners)[0], given.frame, geometry) +
-          index_of((*given.corners)[1], given.frame, geometry)) /
-         2;
-}
-
-/// The middle of what the keys of an entry name, as of an event.
-std::optional<Vec3d> middle_of(const Json& keys) {
-  for (const char* key : {"grab", "grab_ball", "grab_box"}) {
-    if (!keys.contains(key) || !keys[key].is_array()) continue;
-    const std::vector<double> v = keys[key].get<std::vector<double>>();
-    if (v.size() == 3) return Vec3d(v[0], v[1], v[2]);
-    if (v.size() == 6) return Vec3d(v[0] + v[3], v[1] + v[4], v[2] + v[5]) / 2;
-  }
-  return std::nullopt;
-}
-
-/// Numbered as a release counts them; those of the state that was opened have no number. Handles
-/// without a middle are not listed.
-Json handles_json(const HeldParts& held, const StateParts& of_state, const State& state,
-                  const Displacement& moved) {
-  Json handles = Json::array();
-  for (const Json& keys : of_state.handles) {
-    const auto middle = middle_of(keys);
-    if (middle) add_places(handles.emplace_back(held_json("grab", keys)), *middle, state, moved);
-  }
-  for (std::size_t n = 0; n < held.handles.size(); ++n) {
-    const auto middle = middle_of(held.handles[n].given, state.geometry);
-    if (!middle) continue;
-    Json& handle = handles.emplace_back(held_json("grab", Json::parse(held.handles[n].keys)));
-    add_places(handle, *middle, state, moved);
-    handle["number"] = n + 1;
-  }
-  return handles;
-}
-
-Json anchors_json(const HeldParts& held, const StateParts& of_state, const State& state,
-                  const Displacement& moved) {
-  Json anchors = Json::array();
-  for (const Json& keys : of_state.anchors) {
-    Json& anchor = anchors.emplace_back(held_json("anchor", keys));
-    const auto middle = middle_of(keys);
-    if (middle) add_places(anchor, *middle, state, moved);
-  }
-  for (std::size_t n = 0; n < held.anchors.size(); ++n) {
-    const HeldPart& part = held.anchors[n];
-    Json& anchor = anchors.emplace_back(held_json("anchor", Json::parse(part.keys)));
-    const auto middle = middle_of(part.given, state.geometry);
-    if (middle) add_places(anchor, *middle, state, moved);
-    anchor["number"] = n + 1;
-  }
-  return anchors;
-}
-
-/// What is swept along a curve or over a patch, to be drawn: the line where the body is now, and
-/// how far it goes to either side. Nothing of meshes and labels.
-Json sheet_json(const CutSurface& cut, const State& state, const Displacement& moved) {
-  if (cut.mesh || cut.label != 0) return nullptr;
-  const Geometry& geometry = state.geometry;
-  const auto vector_of = [&](const Vec3d& v) {
-    return cut.in_voxels ? geometry.world_vector_from_index(v) : v;
-  };
-  std::vector<Vec3d> line = {cut.corner, cut.corner + cut.edge1};
-  Vec3d down = vector_of(cut.edge2), up(0);
-  if (cut.curve) {
-    line = cut.curve->points;
-    const Vec3d along = vector_of(cut.curve->direction);
-    down = along * (cut.curve->depth_mm / along.length());
-    up = along * (-cut.curve->above_mm / along.length());
-  }
-  Json places = Json::array();
-  for (const Vec3d& point : line) {
-    const Vec3d index = cut.in_voxels ? point : geometry.index_from_world(point);
-    places.push_back(vector_json(place_now(index, state, moved)));
-  }
-  return {{"line", places}, {"down", vector_json(down)}, {"up", vector_json(up)}};
-}
-
-Json cut_json(const Json& keys, const CutSurface* surface, const State& state,
-              const Displacement& moved) {
-  return {{"text", keys.begin().key()},
-          {"event", event_json("cut", keys)},
-          {"sheet", surface == nullptr ? Json(nullptr) : sheet_json(*surface, state, moved)}};
-}
-
-Json cuts_json(const std::vector<LiveSession::DoneStep>& done, const StateParts& of_state,
-               const State& state, const Displacement& moved) {
-  Json cuts = Json::array();
-  for (const StateParts::Cut& cut : of_state.cuts) {
-    cuts.push_back(cut_json(cut.keys, cut.surface ? &*cut.surface : nullptr, state, moved));
-  }
-  std::size_t number = 0;
-  for (const LiveSession::DoneStep& step : done) {
-    if (step.step.cuts.empty()) continue;
-    const Json all = Json::parse(step.keys).value("cut", Json::array());
-    for (std::size_t n = 0; n < all.size(); ++n) {
-      const std::vector<CutSurface>& surfaces = step.step.cuts;
-      cuts.push_back(cut_json(all[n], n < surfaces.size() ? &surfaces[n] : nullptr, state, moved));
-      cuts.back()["number"] = ++number;
-    }
-  }
-  return cuts;
 }
 
 Json memory_json(const Session& session, const LivePicture::Memory& memory) {
@@ -344,8 +195,8 @@ Json OpenScene::body_description() {
   }
   if (const auto& led = m_live.led()) scene["drag"] = drag_json(*led);
   const Displacement& moved = picture().displacement();
-  scene["handles"] = handles_json(held, of_state, state, moved);
-  scene["anchors"] = anchors_json(held, of_state, state, moved);
+  scene["handles"] = handles_json(m_live, held, of_state, state, moved);
+  scene["anchors"] = anchors_json(m_live, held, of_state, state, moved);
   scene["cuts"] = cuts_json(m_live.done(), *m_state_parts, state, moved);
   const History history = history_of(m_live);
   scene["undo"] = history_json(history.done);
