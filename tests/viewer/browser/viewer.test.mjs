@@ -68,10 +68,18 @@ step('open: a volume is opened by the dialog, and four views show it', async () 
   await page.key('Control+o');
   // The only folder that may be used is open at once.
   await page.until('its files are listed', `document.querySelector('dialog[open] [data-name="head.nhdr"]')`);
-  await page.until('materials are listed', `document.querySelectorAll('#open-material option').length > 3`);
+  await page.until('materials are listed', `document.querySelectorAll('#open-material input').length > 3`);
+  const cards = await page.eval(`[...document.querySelectorAll('#open-material .card')].map((card) => {
+    const {width, height} = card.querySelector('svg').getBoundingClientRect();
+    return [card.querySelector('input').value, width > 20 && height > 20 ? card.querySelector('svg').innerHTML : ''];
+  })`);
+  assert.deepEqual(cards.map(([name]) => name), ['', 'ct-head', 'ct-body', 'mr-brain', 'elastic-tissue', 'uniform', 'table']);
+  assert.equal(new Set(cards.map(([, picture]) => picture)).size, cards.length, 'each has a picture of its own');
+  if (process.env.SUPPLE_KEEP) writeFileSync(join(process.env.SUPPLE_KEEP, 'opening.png'), await page.picture());
   await page.clickOn('[data-name="head.nhdr"]');
-  await page.eval(`(() => { const list = document.getElementById('open-material'); list.value = 'table'; list.dispatchEvent(new Event('change'));
-    document.getElementById('material-path').value = ${JSON.stringify(folder.at('soft.toml'))}; })()`);
+  await page.eval(`document.querySelector('#open-material [value=table]').parentElement.scrollIntoView({block: 'center'})`);
+  await page.clickOn('#open-material .card:has([value=table])');
+  await page.eval(`document.getElementById('material-path').value = ${JSON.stringify(folder.at('soft.toml'))}`);
   await page.clickOn('dialog[open] button[type=submit]');
   await view.until('the volume is open', '$scene && $scene.volume', 30);
   await page.until('the dialog is gone', `!document.querySelector('dialog[open]')`);
@@ -150,19 +158,20 @@ step('a settled picture is that of supple render', async () => {
   await view.saved('state', 'start.vdb', {folder: folder.path});
   await view.saved('camera', 'camera.toml');
   const shown = await view.picture();
-  supple('render', folder.at('start.vdb'), '--camera', folder.at('camera.toml'), '--size', `${shown.width},${shown.height}`,
+  supple('render', folder.at('start.vdb'), '--preset', 'Skin', '--camera', folder.at('camera.toml'), '--size', `${shown.width},${shown.height}`,
          '-o', folder.at('rendered.png'));
   const {mean, most} = difference(shown, readPng(readFileSync(folder.at('rendered.png'))));
   assert.ok(mean < 0.5 && most <= 8, `pictures differ by ${mean} and at most ${most} of 255`);
 });
 
 step('preset and transfer function change the look', async () => {
-  const bone = await view.picture();
-  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'Skin';
-    list.dispatchEvent(new Event('change')); })()`);
-  await view.until('the preset is taken', '$scene.view.preset === "Skin"');
-  await view.settled();
+  assert.equal((await scene()).view.preset, 'Skin', 'CT is seen from outside');
   const skin = await view.picture();
+  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'Bone';
+    list.dispatchEvent(new Event('change')); })()`);
+  await view.until('the preset is taken', '$scene.view.preset === "Bone"');
+  await view.settled();
+  const bone = await view.picture();
   assert.ok(difference(bone, skin).mean > 2);
   const [x, y] = await page.middle('.point.opacity[data-point="opacity:1"]');
   const before = (await scene()).view.transfer.opacity;
@@ -173,10 +182,10 @@ step('preset and transfer function change the look', async () => {
   await page.eval(`document.querySelector('.point.opacity[data-point="opacity:0"]').focus()`);
   await page.key('ArrowRight');
   await view.until('keys move points', `$scene.view.transfer.opacity[0][0] > ${now[0][0]}`);
-  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'Bone';
+  await page.eval(`(() => { const list = document.getElementById('preset'); list.value = 'Skin';
     list.dispatchEvent(new Event('change')); })()`);
   await view.settled();
-  assert.ok(difference(bone, await view.picture()).mean < 0.1, 'the preset is back');
+  assert.ok(difference(skin, await view.picture()).mean < 0.1, 'the preset is back');
 });
 
 step('slices: wheel, cross-hair, window, zoom', async () => {
@@ -592,6 +601,17 @@ step('a page that is loaded again finds its session', async () => {
   const now = await scene();
   assert.equal((await view.get('hello')).session, session);
   assert.deepEqual([now.undo, now.handles, now.anchors], [before.undo, before.handles, before.anchors]);
+});
+
+step('a page that is loaded again in mid-drag lets go as Esc does', async () => {
+  const before = await scene();
+  const [x, y] = await view.middle();
+  await grab([x, y], [12, 0]);
+  assert.ok((await scene()).undo.length > before.undo.length);
+  await page.reload();
+  await view.until('it is let go of', `window.supple && $scene && !$scene.grab && $scene.undo.length === ${before.undo.length}`);
+  await view.settled();
+  assert.deepEqual((await scene()).undo, before.undo);
 });
 
 step('two pages show the same session', async () => {

@@ -124,7 +124,7 @@ export class DeformPanel {
     this.relaxState.textContent = !scene ? '' : scene.relaxing ? `Relaxing: ${scene.relaxing} passes to do at most` : scene.settling ? 'The drag settles'
       : scene.relaxes ? 'The material relaxes every drag after its release' : '';
     this.fill('handles', scene?.handles ?? [], (handle, i) => [
-      button(`${i + 1}. ${selectionText(handle)}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
+      button(`${i + 1}. ${selectionText(handle)}${handle.is_place ? ': a place in the opened state, which nothing holds now' : ''}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),
              {class: 'link', title: 'Cross-hair there'}), handle.number ? this.removal('handle', i, handle.number) : null].filter(Boolean));
     this.fill('anchors', scene?.anchors ?? [], (anchor, i) => [
       this.placed(selectionText(anchor), anchor.event), anchor.number ? this.removal('anchor', i, anchor.number) : null].filter(Boolean));

@@ -1,7 +1,8 @@
 // Dialogs that open and save: folders of the server's machine, limited to those of its command line,
 // options in the words of the command line's help.
 
-import {button, bytesText, checkbox, choose, element, field, select} from '../elements.js';
+import {button, bytesText, checkbox, element, field, select} from '../elements.js';
+import {MaterialChoice} from './material_choice.js';
 import {OptionsForm} from './options_form.js';
 
 /// What can be saved: title, name without a better one, extensions.
@@ -21,7 +22,6 @@ const kOptions = {warp: ['direction'], turntable: ['frames', 'frames_per_second'
                   film: ['frames_per_second', 'speed', 'size'], screenshot: ['size']};
 
 const kFolder = 'supple.folder';
-const kByVolume = ['', 'by the densities of the volume'], kUniform = ['uniform', 'uniform: all voxels alike, air too'], kOwnTable = ['table', 'a table of my own…'];
 
 class Browser {
   /// A folder's list; `chosen(file, isDouble)` for files, `moved()` in another folder.
@@ -148,7 +148,7 @@ export class Files {
       chosen = null;
       series.hidden = !(files ?? []).some(({name}) => /\.dcm$|^[^.]+$/i.test(name));
     });
-    const material = this.materialChoice();
+    const material = new MaterialChoice(this.session);
     return this.show('Open a volume, state or scene', browser, [series, ...material.fields], 'Open', async () => {
       const file = isWhole ? '' : chosen?.name;
       isWhole = false;
@@ -158,20 +158,6 @@ export class Files {
       this.app.say(`${file || browser.path} is open`);
     });
   }
-  /// A list of what the volume may be made of, the presets of whole pictures first; a table in a file by its path.
-  materialChoice() {
-    const path = element('input', {type: 'text', id: 'material-path', placeholder: 'a path of a .toml'});
-    const row = field('Table', path);
-    row.hidden = true;
-    const list = select([kByVolume, kOwnTable], '', (chosen) => { row.hidden = chosen !== kOwnTable[0]; }, {id: 'open-material'});
-    const note = element('p', {class: 'note'}, 'Air, tissue and bone differ by their material. States and scenes bring their own.');
-    this.session.ask('materials', true).then((presets) => {
-      const was = list.value;
-      choose(list, [kByVolume, ...presets.map(({name, about}) => [name, about ? `${name}: ${about}` : name]), kUniform, kOwnTable], was);
-    }, () => {});
-    return {fields: [field('Material', list), row, note], value: () => list.value === kOwnTable[0] ? path.value.trim() : list.value};
-  }
-
   async save(what) {
     if (!this.session.scene) return this.app.say('Nothing is open that could be saved');
     const [title, name, extensions] = kSaves[what];
