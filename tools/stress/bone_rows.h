@@ -9,7 +9,8 @@ namespace supple::tools {
 
 /// StressInput::operations drags of the jaw of build/data/ct_head.nhdr, parted from the skull as in
 /// docs/scenes/head_upper_jaw.toml, by up to 8 mm along each axis, every second one away from the
-/// skull, every fourth with a turn; each is taken back. Throws InputError without that file.
+/// skull, every fourth with a turn; each is taken back. Then drags that open both rami, which seeds
+/// part. Throws InputError without that file.
 void run_bones(const StressInput& input, const std::string& folder, Console& console,
                MeasuredValues& all);
 
