@@ -532,7 +532,7 @@ TEST_F(UnitPieces, ARetractionWithoutTissueOnASideIsRefused) {
 }
 
 TEST_F(UnitPieces, AMaterialMayMakeRigidWhatABodyDoesNotHave) {
-  m_options.material.rigid = std::pair<double, double>(250, 255);
+  m_options.material->rigid = std::pair<double, double>(250, 255);
   Session session(m_folder / "bars.nhdr", m_options);
   StepRequest request;
   request.rigid.density = NumberPair(250, 255);  // what a step names must be there

@@ -68,7 +68,6 @@ int run_convert(const ConvertOptions& options, const GlobalOptions& global, Cons
 Command add_convert(CLI::App& program) {
   auto options = std::make_shared<ConvertOptions>();
   CLI::App* app = add_subcommand(program, "convert", "Write a volume or warp in another format",
-                                 "  supple convert scan.nii.gz scan.nrrd\n"
                                  "  supple convert dicom_folder head.vdb\n"
                                  "  supple convert heart_ct phase_%02d.nrrd\n"
                                  "  supple convert 1Warp.nii.gz warp.h5");

@@ -220,7 +220,7 @@ void print_json(const Session& session, const std::string& output,
 
 int run_deform(DeformOptions& options, const GlobalOptions& global, Console& console) {
   if (options.output.empty()) {
-    if (!options.dry_run) throw UsageError("--output is required");
+    if (!options.dry_run) throw UsageError("--output is required (see supple deform --help)");
     options.output = "state.vdb";
   }
   const Scene scene = to_scene(options);

@@ -93,7 +93,6 @@ Command add_resample(CLI::App& program) {
   CLI::App* app =
       add_subcommand(program, "resample",
                      "Write the deformed volume on a regular grid, or any volume on another grid",
-                     "  supple resample drag.vdb -o deformed.nrrd\n"
                      "  supple resample drag.vdb --grid atlas.nii.gz -o on_atlas.nrrd\n"
                      "  supple resample head.nii.gz --spacing 1,1,1 -o cubes.nrrd\n"
                      "  supple resample mr.nii.gz --grid ct.nhdr -o mr_on_ct.nrrd");
