@@ -164,6 +164,18 @@ TEST_F(UnitWarnings, ABodyThatLeavesTheBoxAndAnEmptyPictureAreSaid) {
   EXPECT_FALSE(says(run_done(render), "nothing is to be seen"));
 }
 
+TEST_F(UnitWarnings, APresetThatIsClearAtSmallVoxelsIsSaid) {
+  const std::string volume = head(), image = m_folder / "a.png";
+  const auto render = [&](const std::string& spacing, const std::string& look) {
+    return run_done({"render", volume, "--spacing", spacing, "--preset", look, "--size", "32,32",
+                     "-o", image, "--force"});
+  };
+  EXPECT_FALSE(says(render("2,2,2", "Bone"), "is clear"));
+  const Outcome small = render("0.01,0.01,0.01", "Bone");
+  EXPECT_TRUE(says(small, "preset Bone is clear at voxels of 0.01 mm")) << small.err;
+  EXPECT_TRUE(says(small, "0.01 shows more")) << small.err;
+}
+
 TEST_F(UnitWarnings, ExportSaysWhatTheWarpIsGoodFor) {
   write_ball(m_folder, "ball", 24);
   deform(m_folder / "ball.nhdr", kBallTable, "0,8,0", "12,12,12");

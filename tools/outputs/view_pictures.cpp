@@ -1,6 +1,7 @@
 #include "tools/outputs/view_pictures.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -193,6 +194,35 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
   }
 }
 
+namespace {
+
+/// Looks count opacity per mm: where voxels are much smaller, all of them are nearly clear.
+void warn_of_clear_voxels(const PosedVolume& subject, const TransferFunction& look,
+                          Console& console) {
+  if (look.blend != Blend::composite) return;
+  const double lo = subject.grey_lo, hi = subject.grey_hi;
+  double opacity = std::max(look.opacity_at(lo), look.opacity_at(hi));
+  for (const OpacityKey& key : look.opacity) {
+    if (key.density >= lo && key.density <= hi) opacity = std::max(opacity, key.opacity);
+  }
+  constexpr double kFaint = 0.1;  // meant to be: a veil
+  constexpr double kHalf = 0.5;   // of full opacity any part is full
+  constexpr double kClear = 0.02;
+  const Vec3d spacing = subject.geometry.spacing_mm();
+  const double voxel_mm = std::min({spacing.x, spacing.y, spacing.z});
+  const double reached = std::min(opacity, kHalf);
+  const double of_voxel = 1 - std::pow(1 - reached, voxel_mm / look.unit_distance_mm);
+  if (opacity < kFaint || of_voxel >= kClear) return;
+  const std::string name = look.name.empty() ? "this look" : "preset " + look.name;
+  console.warn(name + " is clear at voxels of " + number_text(voxel_mm) + " mm: an opacity of " +
+               number_text(100 * reached) + " % is " + number_text(100 * of_voxel) +
+               " % of a voxel, as its unit_distance is " + number_text(look.unit_distance_mm) +
+               " mm; a file of it with " + number_text(look.unit_distance_mm * voxel_mm) +
+               " shows more");
+}
+
+}  // namespace
+
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                 RenderReport* report, Console& console) {
   if (view.slice) {
@@ -211,6 +241,7 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
                       "a volume of several slices"});
   }
   if (view.lattice) return to_float(draw_body_lattice(subject, view));
+  warn_of_clear_voxels(subject, look_of(view), console);
   if (view.caster == Caster::vtk) return draw_by_vtk(subject, view, console);
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, subject.geometry);
