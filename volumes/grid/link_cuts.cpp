@@ -43,10 +43,13 @@ bool LinkCuts::operator==(const LinkCuts& other) const {
     if (mine == nullptr) continue;
     if (theirs == nullptr || *mine != *theirs) return false;
     if (m_places.empty() && other.m_places.empty()) continue;
-    for (int n = 0; n < 3 * kBrickVoxels; ++n) {
-      const int offset = n % kBrickVoxels, axis = n / kBrickVoxels;
-      if (place(b, offset, axis) != other.place(b, offset, axis)) return false;
+    bool is_same = true;
+    for (int axis = 0; axis < 3; ++axis) {
+      for_each_active((*mine)[std::size_t(axis)], [&](int offset) {
+        is_same = is_same && place(b, offset, axis) == other.place(b, offset, axis);
+      });
     }
+    if (!is_same) return false;
   }
   return true;
 }

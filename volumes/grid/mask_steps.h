@@ -62,6 +62,14 @@ inline BrickMask cells_in(std::array<BrickMask, 8> of) {
   return of[0];
 }
 
+/// The voxels of a brick at which a cell begins of whose eight corners any is set.
+inline BrickMask cells_beside(std::array<BrickMask, 8> of) {
+  for (int axis = 2, step = 1; axis >= 0; --axis, step *= 2) {
+    for (int n = 0; n < 8; n += 2 * step) add(shifted_down(of[n], of[n + step], axis), of[n]);
+  }
+  return of[0];
+}
+
 /// The voxels of a brick that are corners of cells; `of`: the cells that begin in the brick and in
 /// those below it, as cell_corner() numbers them.
 inline BrickMask corners_of(std::array<BrickMask, 8> of) {

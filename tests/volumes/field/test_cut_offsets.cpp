@@ -308,11 +308,11 @@ TEST(PropertyCutOffsets, TheFastWaysToAPieceFindWhatAllPiecesTell) {
     const CutBody cut(u.u, elements, cuts, dims);
     const BrickList all = all_bricks(cut.cells());
     TornCells torn(cut.cells());
-    torn.follow(u.u, cut, all, kClosedCut);
+    torn.follow(u.u, cut, all, {}, kClosedCut);
     CutFaces faces(cut.cells(), u.geometry, kClosedCut);
     faces.follow(torn, cut, all);
     CutInversion inversion(cut.cells(), elements, dims);
-    inversion.follow(u.u, torn, faces, {all, all, all});
+    inversion.follow(u.u, torn, faces, {all_moved(cut.cells()), all, all});
     const OffsetField whole = invert({u.geometry, {inversion.whole(), u.u.vectors}});
     inversion.split(u.u, torn, faces, finder_of(whole.o), {}, nullptr);
     for (const auto& split : inversion.bricks()) {

@@ -59,7 +59,32 @@ BrickList changed_bricks(const Displacement& before, const Displacement& now) {
   });
 }
 
-/// Fails the test unless every sample of both is the same, too, and sees the same face.
+/// Fails the test unless a place has the same offset in both, from within a brick, and sees the
+/// same face there and where what is interpolated would.
+void expect_same_place(const SplitOffsets& a, const SplitOffsets& b, std::size_t brick,
+                       const Vec3d& x) {
+  SplitOffsets::Sample one, other;
+  const bool found = a.sample(brick, x, one);
+  ASSERT_EQ(found, b.sample(brick, x, other)) << x;
+  if (!found) return;
+  ASSERT_EQ(one.offset, other.offset) << x;
+  struct Face {
+    Vec3d normal{0, 0, 0};
+    double depth_mm = 0;
+  } of_one, of_other;
+  const Vec3d y = x + one.offset;
+  ASSERT_EQ(a.face(one.piece, x, y, of_one.normal, of_one.depth_mm),
+            b.face(other.piece, x, y, of_other.normal, of_other.depth_mm))
+      << x;
+  ASSERT_EQ(of_one.normal, of_other.normal) << x;
+  ASSERT_EQ(of_one.depth_mm, of_other.depth_mm) << x;
+  ASSERT_EQ(a.face_in_source(-1, y, of_one.normal, of_one.depth_mm),
+            b.face_in_source(-1, y, of_other.normal, of_other.depth_mm))
+      << x;
+  ASSERT_EQ(of_one.normal, of_other.normal) << x;
+}
+
+/// Fails the test unless every cell of the bricks that cuts split is the same in both.
 void expect_same_samples(std::mt19937& random, const OffsetField& a, const OffsetField& b) {
   ASSERT_EQ(a.split == nullptr, b.split == nullptr);
   EXPECT_TRUE(a.overlaps == b.overlaps);
@@ -74,28 +99,12 @@ void expect_same_samples(std::mt19937& random, const OffsetField& a, const Offse
   const BrickTopology& bricks = a.split->bricks();
   ASSERT_TRUE(bricks == b.split->bricks());
   for (std::size_t brick = 0; brick < bricks.brick_count(); ++brick) {
-    ASSERT_EQ(*a.split->interpolated(brick), *b.split->interpolated(brick));
-    for (int n = 0; n < 40; ++n) {
-      const Vec3d x = Vec3d(bricks.origin(brick)) + random_place(random, 0, 8);
-      SplitOffsets::Sample one, other;
-      const bool found = a.split->sample(brick, x, one);
-      ASSERT_EQ(found, b.split->sample(brick, x, other)) << x;
-      if (!found) continue;
-      ASSERT_EQ(one.offset, other.offset) << x;
-      struct Face {
-        Vec3d normal{0, 0, 0};
-        double depth_mm = 0;
-      } of_one, of_other;
-      const Vec3d y = x + one.offset;
-      ASSERT_EQ(a.split->face(one.piece, x, y, of_one.normal, of_one.depth_mm),
-                b.split->face(other.piece, x, y, of_other.normal, of_other.depth_mm))
-          << x;
-      ASSERT_EQ(of_one.normal, of_other.normal) << x;
-      ASSERT_EQ(of_one.depth_mm, of_other.depth_mm) << x;
-      ASSERT_EQ(a.split->face_in_source(-1, y, of_one.normal, of_one.depth_mm),
-                b.split->face_in_source(-1, y, of_other.normal, of_other.depth_mm))
-          << x;
-      ASSERT_EQ(of_one.normal, of_other.normal) << x;
+    ASSERT_EQ(*a.split->interpolated(brick), *b.split->interpolated(brick)) << bricks.origin(brick);
+    const Vec3d within = random_place(random, 0, 1);
+    for (int cell = 0; cell < kBrickVoxels; ++cell) {
+      expect_same_place(*a.split, *b.split, brick,
+                        Vec3d(bricks.origin(brick) + brick_local(cell)) + within);
+      if (testing::Test::HasFatalFailure()) return;
     }
   }
 }
@@ -160,6 +169,72 @@ TEST(PropertyIncrementalCutInversion, AfterEveryCutDragUndoAndRedoItHasTheBitsOf
     }
   }
   EXPECT_GT(torn, 4 * kBodies);
+}
+
+/// Moves of single voxels and of small balls beside cuts that gape, across the borders of bricks,
+/// at the surface as well as within: each is seen in few bricks, and by little.
+TEST(PropertyIncrementalCutInversion, SmallMovesBesideGapingCutsLeaveTheBitsOfAnInversionAnew) {
+  constexpr int kBodies = 4, kSteps = 40;
+  const BrickTopology elements = box_topology({0, 0, 0}, {25, 17, 16});
+  const BrickTopology shell = dilate(elements, 2);
+  for (int n = 0; n < kBodies; ++n) {
+    std::mt19937 random(unsigned(170 + n));
+    const auto uniform = [&](double lo, double hi) {
+      return std::uniform_real_distribution<double>(lo, hi)(random);
+    };
+    // A cut near x = 8 or 16, from the upper face down to some depth, oblique, with places or not.
+    const double at = n % 2 == 0 ? 7.6 : 15.4, slope = uniform(-0.25, 0.25);
+    const double from = uniform(2, 9);
+    const auto height = [&](const Vec3d& v) { return v.x - at - slope * (v.z - 8); };
+    LinkCuts cuts;
+    for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+      for_each_active(elements.mask(b), [&](int offset) {
+        const Vec3i low = elements.origin(b) + brick_local(offset);
+        for (int axis = 0; axis < 3; ++axis) {
+          Vec3i high = low;
+          ++high[axis];
+          const double one = height(Vec3d(low)), other = height(Vec3d(high));
+          if ((one < 0) == (other < 0) || low.y < from || !elements.is_active(high)) continue;
+          cuts.cut(b, offset, axis, n < 2 ? LinkCuts::place_of(one / (one - other)) : 0);
+        }
+      });
+    }
+    const double gape = uniform(0.02, 0.12);
+    Displacement displacement = displacement_on(elements, [&](const Vec3i& v) {
+      const double opening = gape * std::max(0.0, v.y - from);
+      const double fading = std::max(0.0, 1 - std::abs(height(Vec3d(v))) / 9);
+      return Vec3f(float(height(Vec3d(v)) < 0 ? -opening * fading : opening * fading), 0, 0);
+    });
+    const CutElements cut{elements, cuts};
+    Displacement before = extend(displacement, shell);
+    IncrementalCutInversion inversion(before, cut);
+    const VectorBricks at_first = displacement.u;
+    for (int step = 0; step < kSteps; ++step) {
+      if (step % 10 == 9) displacement.u = at_first;
+      const Vec3d centre(at + uniform(-6, 6), uniform(0, 18), uniform(0, 17));
+      const double radius = step % 3 == 0 ? 0.9 : uniform(1, 3);
+      const double sizes[] = {0.003, 0.03, 0.2, 0.6};
+      const Vec3f by = random_vector(random, float(sizes[random() % 4]));
+      const bool is_one_sided = random() % 2 == 0;
+      for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+        for_each_active(elements.mask(b), [&](int offset) {
+          const Vec3d v(elements.origin(b) + brick_local(offset));
+          if ((v - centre).length() > radius) return;
+          if (is_one_sided && (height(v) < 0) != (height(centre) < 0)) return;
+          displacement.u.vectors.touch(b)[offset] += by;
+        });
+      }
+      const Displacement extended = extend(displacement, shell);
+      inversion.update(extended, changed_bricks(before, extended));
+      before = extended;
+      const OffsetField anew = invert_cut(extend_past_cuts(displacement, shell, cut), cut);
+      const OffsetField field = inversion.field(extended);
+      ASSERT_NE(anew.split, nullptr);
+      expect_equal(field, anew);
+      expect_same_samples(random, field, anew);
+      if (HasFatalFailure()) FAIL() << "body " << n << ", step " << step;
+    }
+  }
 }
 
 /// Work is counted, not timed: what is far from a change is left alone.

@@ -53,6 +53,33 @@ LinkCuts::Place place_between(const CutPlanes::Side& low, const CutPlanes::Side&
   return LinkCuts::place_of(apart == 0 ? 0.5 : low.distance / apart);
 }
 
+/// The elements in a brick of voxels and around it, and how they have moved.
+class NearElements {
+ public:
+  NearElements(const BrickTopology& voxels, const BrickTopology& elements, const VectorBricks& u,
+               std::size_t b) {
+    const Surroundings around = surroundings_of(voxels, b);
+    for (std::size_t n = 0; n < around.size(); ++n) {
+      const std::int32_t own =
+          elements.find(voxels.origin(b) + surrounding_step(int(n)) * kBrickDim);
+      if (around[n] < 0 || own < 0) continue;
+      m_masks[n] = &elements.mask(std::size_t(own));
+      m_vectors[n] = u.vectors.brick_or_zero(std::size_t(around[n]));
+    }
+  }
+  /// Of a voxel by its place in the brick, -8 to 15 along each axis; null: no element.
+  const Vec3f* move_at(const Vec3i& local) const {
+    const SurroundingVoxel voxel = surrounding_voxel(local);
+    const auto n = std::size_t(voxel.brick);
+    const bool is_element = m_masks[n] != nullptr && mask_test(*m_masks[n], voxel.offset);
+    return is_element ? m_vectors[n] + voxel.offset : nullptr;
+  }
+
+ private:
+  std::array<const BrickMask*, 27> m_masks{};
+  std::array<const Vec3f*, 27> m_vectors{};
+};
+
 }  // namespace
 
 void CutBody::MoveBox::add(const MoveBox& other) {
@@ -165,11 +192,11 @@ BrickMask CutBody::contested_in(const VectorBricks& u, std::size_t b) const {
     if (n >= 0) around.add(m_moves[std::size_t(n)]);
   }
   if (!around.is_apart()) return contested;
+  const NearElements near(m_voxels, m_elements, u, b);
   for_each_active(air, [&](int offset) {
     MoveBox touching;
-    for_neighbours(m_voxels.origin(b) + brick_local(offset), [&](const Vec3i& beside) {
-      Vec3f move;
-      if (is_element(beside) && u.at(in_slice(beside), move)) touching.add(move);
+    for_neighbours(brick_local(offset), [&](const Vec3i& beside) {
+      if (const Vec3f* const move = near.move_at(beside)) touching.add(*move);
     });
     if (touching.is_apart()) mask_set(contested, offset);
   });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -129,7 +130,7 @@ void CutBody::set_cuts(const LinkCuts& cuts) {
 }
 
 void CutBody::fit_planes() {
-  m_planes = {};
+  const CutPlanes known = std::exchange(m_planes, {});
   for (std::size_t b = 0; b < m_bricks.size(); ++b) {
     const OfBrick* const brick = m_bricks[b].get();
     if (brick == nullptr || brick->element_places.empty()) continue;
@@ -144,7 +145,7 @@ void CutBody::fit_planes() {
       });
     }
   }
-  m_planes.fit();
+  m_planes.fit(known);
 }
 
 /// The air within three voxels of a cut link, in these bricks.

@@ -11,6 +11,8 @@ namespace {
 
 // Cells are interpolated where that is off by no more than this, in voxels.
 constexpr double kBent = 0.02;
+// More pieces than this are not told to be single.
+constexpr int kMostPieces = 64;
 // Of offsets as long, to this many voxels, that of the first piece counts, not the rounding.
 constexpr double kSameLength = 1e-4;
 
@@ -133,7 +135,6 @@ CutBrick::Kept CutBrick::find_reaching(const CutBrick* before) {
 
 /// Different cells that hold together by faces and do not fold reach no place twice.
 bool CutBrick::is_single(const std::int32_t* begin, const std::int32_t* end) const {
-  constexpr int kMostPieces = 64;
   if (begin == end || end - begin > kMostPieces) return false;
   const CutPiece* pieces[kMostPieces];
   int count = 0;
@@ -171,36 +172,33 @@ class BrickLattice {
     vector = view.vectors[offset];
     return true;
   }
-  bool sample(const Vec3d& place, Vec3d& vector) const {
-    const Vec3i lo = floor_voxel(place);
-    const Vec3d t = place - Vec3d(lo);
-    Vec3d sum(0);
-    for (int n = 0; n < kCellCorners; ++n) {
-      const Vec3i step = cell_corner(n);
-      const double w =
-          (step.x ? t.x : 1 - t.x) * (step.y ? t.y : 1 - t.y) * (step.z ? t.z : 1 - t.z);
-      Vec3f v;
-      if (w == 0) continue;
-      if (!at(lo + step, v)) return false;
-      sum += Vec3d(v) * w;
-    }
-    vector = sum;
-    return true;
-  }
 
  private:
   Vec3i m_origin;
   std::array<VectorBrickView, kCellCorners> m_views;
 };
 
+/// Of the vectors at the corners of a cell, at a place in it.
+static Vec3d interpolated_at(const Vec3d& t, const std::array<Vec3f, kCellCorners>& corners) {
+  Vec3d sum(0);
+  for (int n = 0; n < kCellCorners; ++n) {
+    const Vec3i step = cell_corner(n);
+    const double w = (step.x ? t.x : 1 - t.x) * (step.y ? t.y : 1 - t.y) * (step.z ? t.z : 1 - t.z);
+    sum += Vec3d(corners[std::size_t(n)]) * w;
+  }
+  return sum;
+}
+
 /// Whether what is interpolated is what samples find, in the middle of the cell and of its parts.
-bool CutBrick::bends_little(int cell, const BrickLattice& offsets, const Vec3i& dims) const {
+bool CutBrick::bends_little(int cell, const std::array<Vec3f, kCellCorners>& nodes,
+                            const Vec3i& dims) const {
   const Vec3d low(m_origin + brick_local(cell));
+  int piece = -1;
   for (int n = 0; n < 9; ++n) {
-    const Vec3d x = low + (n < 8 ? Vec3d(0.25) + Vec3d(cell_corner(n)) * 0.5 : Vec3d(0.5));
-    Vec3d own, between;
-    if (find(x, dims, own) < 0 || !offsets.sample(x, between)) return false;
-    if ((own - between).length() > kBent) return false;
+    const Vec3d t = n < 8 ? Vec3d(0.25) + Vec3d(cell_corner(n)) * 0.5 : Vec3d(0.5);
+    Vec3d own;
+    piece = find(low + t, dims, own, piece);
+    if (piece < 0 || (own - interpolated_at(t, nodes)).length() > kBent) return false;
   }
   return true;
 }
@@ -212,48 +210,54 @@ void CutBrick::find_interpolated(const VectorBrickFinder& finder, const Vec3i& d
   std::vector<std::int32_t> reaching;
   for_each_active(cells, [&](int cell) {
     const Vec3i local = brick_local(cell);
-    bool is_interpolated = reach_cell(local, reaching);
-    is_interpolated =
-        is_interpolated && std::all_of(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
-          return m_pieces[std::size_t(piece)].is_whole;
-        });
+    std::array<Vec3f, kCellCorners> nodes;
+    bool is_interpolated = true;
     for (int n = 0; n < kCellCorners && is_interpolated; ++n) {
-      const Vec3i node = m_origin + local + cell_corner(n);
-      Vec3f offset;
-      is_interpolated = offsets.at(node, offset) &&
-                        std::any_of(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
-                          return m_pieces[std::size_t(piece)].has(Vec3d(node), Vec3d(offset));
-                        });
+      is_interpolated = offsets.at(m_origin + local + cell_corner(n), nodes[std::size_t(n)]);
     }
-    is_interpolated = is_interpolated && bends_little(cell, offsets, dims);
+    is_interpolated = is_interpolated && reach_cell(local, reaching);
+    std::int32_t last = -1;  // mostly it has the next node, too
+    for (int n = 0; n < kCellCorners && is_interpolated; ++n) {
+      const Vec3d node(m_origin + local + cell_corner(n)), offset(nodes[std::size_t(n)]);
+      if (last >= 0 && m_pieces[std::size_t(last)].has(node, offset)) continue;
+      const auto found = std::find_if(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
+        return m_pieces[std::size_t(piece)].has(node, offset);
+      });
+      is_interpolated = found != reaching.end();
+      if (is_interpolated) last = *found;
+    }
+    is_interpolated = is_interpolated && bends_little(cell, nodes, dims);
     const std::uint64_t bit = std::uint64_t(1) << (cell & 63);
     std::uint64_t& word = m_interpolated[std::size_t(cell >> 6)];
     word = is_interpolated ? word | bit : word & ~bit;
   });
 }
 
-/// The pieces that reach the parts of a cell, ascending; whether they are single.
+/// The pieces that reach the parts of a cell, ascending; whether they are whole, and single.
 bool CutBrick::reach_cell(const Vec3i& local, std::vector<std::int32_t>& reaching) const {
-  const auto part = [&](int n) {
-    return part_of(Vec3d(m_origin + local) + Vec3d(cell_corner(n)) * 0.5);
-  };
-  const auto begin_of = [&](std::size_t p) { return m_reaching.begin() + m_begin[p]; };
-  const std::size_t first = part(0);
-  reaching.assign(begin_of(first), begin_of(first + 1));
-  bool is_alike = true;  // mostly all parts are reached by the same
-  for (int n = 1; n < kCellCorners; ++n) {
-    const std::size_t p = part(n);
-    if (is_alike &&
-        std::equal(begin_of(first), begin_of(first + 1), begin_of(p), begin_of(p + 1))) {
-      continue;
-    }
-    is_alike = false;
-    reaching.insert(reaching.end(), begin_of(p), begin_of(p + 1));
+  const auto first = m_reaching.begin() + m_begin[part_of(Vec3d(m_origin + local))];
+  const auto end = m_reaching.begin() + m_begin[part_of(Vec3d(m_origin + local)) + 1];
+  reaching.assign(first, end);
+  // Parts of which each is single, and that share a piece, hold together.
+  bool is_joined = true;
+  for (int n = 0; n < kCellCorners; ++n) {
+    const std::size_t p = part_of(Vec3d(m_origin + local) + Vec3d(cell_corner(n)) * 0.5);
+    const auto begin = m_reaching.begin() + m_begin[p];
+    const auto count = std::ptrdiff_t(m_begin[p + 1] - m_begin[p]);
+    is_joined = is_joined && m_single[p];
+    if (n == 0 || std::equal(first, end, begin, begin + count)) continue;
+    const auto known = std::ptrdiff_t(reaching.size());
+    reaching.insert(reaching.end(), begin, begin + count);
+    std::inplace_merge(reaching.begin(), reaching.begin() + known, reaching.end());
+    const auto last = std::unique(reaching.begin(), reaching.end());
+    is_joined = is_joined && last != reaching.end();  // some are in both
+    reaching.erase(last, reaching.end());
   }
-  if (is_alike) return m_single[first];
-  std::sort(reaching.begin(), reaching.end());
-  reaching.erase(std::unique(reaching.begin(), reaching.end()), reaching.end());
-  return is_single(reaching.data(), reaching.data() + reaching.size());
+  const bool is_whole = std::all_of(reaching.begin(), reaching.end(), [&](std::int32_t piece) {
+    return m_pieces[std::size_t(piece)].is_whole;
+  });
+  if (!is_whole || reaching.size() > std::size_t(kMostPieces)) return false;
+  return is_joined || is_single(reaching.data(), reaching.data() + reaching.size());
 }
 
 std::size_t CutBrick::part_of(const Vec3d& x) const {

@@ -53,7 +53,7 @@ class CutBrick {
   bool source_of(int piece, const Vec3d& x, Vec3d& X) const;
   bool is_single(const std::int32_t* begin, const std::int32_t* end) const;
   bool reach_cell(const Vec3i& local, std::vector<std::int32_t>& reaching) const;
-  bool bends_little(int cell, const BrickLattice& offsets, const Vec3i& dims) const;
+  bool bends_little(int cell, const std::array<Vec3f, 8>& nodes, const Vec3i& dims) const;
   std::vector<std::int32_t> pieces_before(const CutBrick& before) const;
   template <class Visit>
   void for_parts(const CutPiece& piece, Visit&& visit) const;

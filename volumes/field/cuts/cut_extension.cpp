@@ -14,8 +14,6 @@ namespace supple {
 namespace {
 
 constexpr int kRings = 2;
-// Beside a cut a voxel may be this many rings from the elements of its own side.
-constexpr int kRingsOfSide = 4;
 // Air this near to a corner of a parted cell is filled anew, in voxels.
 constexpr int kBesideParted = 3;
 
@@ -104,12 +102,10 @@ BrickMask CutExtension::beside_parted(const CutBody& body, std::size_t b) const 
   return beside;
 }
 
-/// The bricks with air beside parted cells, now or before, that see a change: four rings see eight
-/// voxels far.
-BrickList CutExtension::seen_from(const CutBody& body, const CutBody::Changes& changes,
-                                  const BrickList& plain) {
+/// The bricks in which other air is beside parted cells than before.
+BrickList CutExtension::find_beside(const CutBody& body, const BrickList& parted_cells) {
   BrickList parted;  // of the voxels
-  for (const std::int32_t c : changes.parted) {
+  for (const std::int32_t c : parted_cells) {
     for (int n = 0; n < 27; ++n) {
       const std::int32_t b =
           m_voxels.find(body.cells().origin(std::size_t(c)) + surrounding_step(n) * kBrickDim);
@@ -129,88 +125,116 @@ BrickList CutExtension::seen_from(const CutBody& body, const CutBody::Changes& c
     touch(b).beside = beside[n];
     changed.push_back(parted[n]);
   }
-  const BrickList seen = with_neighbours(m_voxels, unite(unite(plain, changes.links), changed));
-  return bricks_where(seen, [&](std::size_t b) {
+  return changed;
+}
+
+/// The bricks with air beside parted cells, now or before, that see a change: four rings see eight
+/// voxels far.
+BrickList CutExtension::filled_beside(const BrickList& seen, const BrickList& changed) const {
+  return bricks_where(with_neighbours(m_voxels, seen), [&](std::size_t b) {
     return m_bricks[b] && (mask_count(m_bricks[b]->beside) > 0 ||
                            std::binary_search(changed.begin(), changed.end(), std::int32_t(b)));
   });
 }
 
-void CutExtension::fill(VectorBricks& u, const CutBody& body, const BrickList& bricks) {
+/// The voxels of lower rings, on the own side, around one.
+std::vector<CutExtension::Carrier> CutExtension::carriers_of(const CutBody& body,
+                                                             const Vec3i& voxel, int ring) const {
+  const auto leads = [&](const Vec3i& from, const Vec3i& to) {
+    return m_voxels.is_active(to) && ring_at(to) < ring && body.connects(from, to);
+  };
+  const auto place_of = [&](const Vec3i& at) { return Place{m_voxels.find(at), brick_offset(at)}; };
+  std::vector<Carrier> carriers;
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i near = voxel + surrounding_step(n), behind = 2 * near - voxel;
+    if (n == 13 || !leads(voxel, near)) continue;
+    carriers.push_back({place_of(near), leads(near, behind) ? place_of(behind) : Place()});
+  }
+  return carriers;
+}
+
+/// Rings of the air beside parted cells, and what carries on to it.
+void CutExtension::plan(const CutBody& body, const BrickList& bricks) {
   for (const std::int32_t b : with_neighbours(m_voxels, bricks)) touch(std::size_t(b));
   for (const std::int32_t b : bricks) {
-    m_bricks[std::size_t(b)]->rings = m_bricks[std::size_t(b)]->at_first;
+    OfBrick& brick = *m_bricks[std::size_t(b)];
+    brick.rings = brick.at_first;
+    for (auto& filled : brick.filled) filled.clear();
+    for (auto& carriers : brick.carriers) carriers.clear();
   }
-  // Of lower rings, on the own side.
-  const auto value_at = [&](const Vec3i& from, const Vec3i& to, int ring, Vec3f& value) {
-    return u.at(to, value) && ring_at(to) < ring && body.connects(from, to);
-  };
-  const auto extrapolated = [&](const Vec3i& voxel, int ring) {
-    Extrapolation extrapolation;
-    for (int n = 0; n < 27; ++n) {
-      const Vec3i beside = voxel + surrounding_step(n);
-      Vec3f near, far;
-      if (n == 13 || !value_at(voxel, beside, ring, near)) continue;
-      if (value_at(beside, 2 * beside - voxel, ring, far)) {
-        extrapolation.add_row(near, far);
-      } else {
-        extrapolation.add(near);
-      }
-    }
-    return extrapolation;
-  };
-  struct Found {
-    std::vector<std::pair<int, Vec3f>> values;
-    std::vector<int> later;  // next to no voxel of their own side yet
-  };
   for (int ring = 1; ring <= kRingsOfSide; ++ring) {
-    std::vector<Found> found(bricks.size());
-    tbb::parallel_for(std::size_t(0), found.size(), [&](std::size_t n) {
+    std::vector<std::vector<int>> later(bricks.size());  // next to no voxel of their own side yet
+    tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
       const auto b = std::size_t(bricks[n]);
-      for_each_active(m_bricks[b]->beside, [&](int offset) {
-        if (m_bricks[b]->rings[std::size_t(offset)] != ring) return;
-        const Extrapolation own = extrapolated(m_voxels.origin(b) + brick_local(offset), ring);
+      OfBrick& brick = *m_bricks[b];
+      std::vector<Carrier>& all = brick.carriers[std::size_t(ring)];
+      for_each_active(brick.beside, [&](int offset) {
+        if (brick.rings[std::size_t(offset)] != ring) return;
+        const std::vector<Carrier> own =
+            carriers_of(body, m_voxels.origin(b) + brick_local(offset), ring);
+        all.insert(all.end(), own.begin(), own.end());
         if (own.empty()) {
-          found[n].later.push_back(offset);
+          later[n].push_back(offset);
         } else {
-          found[n].values.emplace_back(offset, own.value());
+          brick.filled[std::size_t(ring)].push_back({offset, std::int32_t(all.size())});
         }
       });
     });
-    for (std::size_t n = 0; n < found.size(); ++n) {
-      const auto b = std::size_t(bricks[n]);
-      for (const auto& [offset, value] : found[n].values) {
-        if (value != u.vectors.brick_or_zero(b)[offset]) u.vectors.touch(b)[offset] = value;
-      }
-      for (const int offset : found[n].later) ++m_bricks[b]->rings[std::size_t(offset)];
+    for (std::size_t n = 0; n < bricks.size(); ++n) {
+      Rings& rings = m_bricks[std::size_t(bricks[n])]->rings;
+      for (const int offset : later[n]) ++rings[std::size_t(offset)];
     }
   }
 }
 
-BrickList CutExtension::follow(VectorBricks& u, const VectorBricks& plain, const CutBody& body,
-                               const CutBody::Changes& changes, const BrickList& given) {
-  const BrickList bricks = seen_from(body, changes, given);
+void CutExtension::fill(VectorBricks& u, const BrickList& bricks) const {
+  const auto at = [&](const Place& place) {
+    return u.vectors.brick_or_zero(std::size_t(place.brick))[place.offset];
+  };
+  for (std::size_t ring = 1; ring <= kRingsOfSide; ++ring) {
+    std::vector<std::vector<Vec3f>> values(bricks.size());
+    tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+      const OfBrick& brick = *m_bricks[std::size_t(bricks[n])];
+      std::int32_t next = 0;
+      for (const Filled& filled : brick.filled[ring]) {
+        Extrapolation extrapolation;
+        for (; next < filled.end; ++next) {
+          const Carrier& carrier = brick.carriers[ring][std::size_t(next)];
+          if (carrier.behind.brick < 0) {
+            extrapolation.add(at(carrier.near));
+          } else {
+            extrapolation.add_row(at(carrier.near), at(carrier.behind));
+          }
+        }
+        values[n].push_back(extrapolation.value());
+      }
+    });
+    for (std::size_t n = 0; n < bricks.size(); ++n) {
+      const auto b = std::size_t(bricks[n]);
+      const std::vector<Filled>& filled = m_bricks[b]->filled[ring];
+      for (std::size_t v = 0; v < filled.size(); ++v) {
+        const int offset = filled[v].offset;
+        if (values[n][v] != u.vectors.brick_or_zero(b)[offset]) {
+          u.vectors.touch(b)[offset] = values[n][v];
+        }
+      }
+    }
+  }
+}
+
+MovedBricks CutExtension::follow(VectorBricks& u, const VectorBricks& plain, const CutBody& body,
+                                 const CutBody::Changes& changes, const BrickList& given) {
+  const BrickList changed = find_beside(body, changes.parted);
+  plan(body, filled_beside(unite(changes.links, changed), changed));
+  const BrickList bricks = filled_beside(unite(unite(given, changes.links), changed), changed);
   m_filled = std::int64_t(bricks.size());
-  std::vector<std::vector<Vec3f>> before(bricks.size());
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
-    const Vec3f* const vectors = u.vectors.brick_or_zero(std::size_t(bricks[n]));
-    before[n].assign(vectors, vectors + kBrickVoxels);
-  });
-  for (const std::int32_t b : unite(given, bricks)) {
+  const BrickList copied = unite(given, bricks);
+  KeptVectors before(u, copied);
+  for (const std::int32_t b : copied) {
     copy_brick(plain.vectors.brick_or_zero(std::size_t(b)), std::size_t(b), u.vectors);
   }
-  fill(u, body, bricks);
-  std::size_t n = 0;
-  BrickList changed;
-  for (const std::int32_t b : bricks) {
-    const Vec3f* const now = u.vectors.brick_or_zero(std::size_t(b));
-    if (!std::equal(now, now + kBrickVoxels, before[n++].begin())) changed.push_back(b);
-  }
-  for (const std::int32_t b : given) {
-    if (!std::binary_search(bricks.begin(), bricks.end(), b)) changed.push_back(b);
-  }
-  std::sort(changed.begin(), changed.end());
-  return changed;
+  fill(u, bricks);
+  return before.moved(u);
 }
 
 void extend_beside_cuts(VectorBricks& u, const CutBody& body) {

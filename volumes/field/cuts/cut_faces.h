@@ -86,6 +86,7 @@ class CutFaces {
   std::vector<Opening> openings_in(const TornCells& torn, const CutBody& body, std::size_t b) const;
   std::unique_ptr<BrickPoints> points_of(std::size_t b) const;
   void fit_planes(std::size_t b);
+  void mark_open(std::size_t b);
   std::unique_ptr<Seen> seen_in(std::size_t b) const;
   static void list_seen(const Point& point, const Vec3i& origin, Seen& seen);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -20,38 +21,45 @@ namespace {
 // beside the gap must not be interpolated with those across it. In voxels.
 constexpr double kNearFace = 3;
 constexpr double kNearCell = 1;
-// Rounding of what a piece reaches, in voxels.
-constexpr double kReachSlack = 1e-3;
 
-CutBox box_of(const CutPiece& piece, double margin) {
-  CutBox box;
-  box.add(Vec3d(piece.cell) + Vec3d(piece.lo) - Vec3d(margin));
-  box.add(Vec3d(piece.cell) + Vec3d(piece.hi) + Vec3d(margin));
-  return box;
-}
-
+/// Boxes of neighbours mostly are of the same bricks.
 void add_bricks_of(const CutBox& box, std::vector<Vec3i>& origins) {
   const IndexBox bricks = box.bricks();
   if (bricks.empty()) return;
-  add_box(bricks.lo * kBrickDim, bricks.hi * kBrickDim, origins);
-}
-
-/// Calls `visit(split)` for the split bricks of a box in steps of bricks.
-template <class Splits, class Visit>
-void for_split_in(const IndexBox& box, Splits& splits, Visit&& visit) {
-  if (box.empty()) return;
-  const Vec3d extent = Vec3d(box.hi - box.lo) + Vec3d(1);
-  if (extent.x * extent.y * extent.z > double(splits.size())) {
-    for (auto& [origin, split] : splits) {
-      if (box.contains({origin.x >> 3, origin.y >> 3, origin.z >> 3})) visit(split);
+  for_bricks_of(bricks.lo * kBrickDim, bricks.hi * kBrickDim, [&](const Vec3i& origin) {
+    const auto last = std::ptrdiff_t(std::min<std::size_t>(origins.size(), 8));
+    if (std::find(origins.end() - last, origins.end(), origin) == origins.end()) {
+      origins.push_back(origin);
     }
-    return;
-  }
-  for_bricks_of(box.lo * kBrickDim, box.hi * kBrickDim, [&](const Vec3i& origin) {
-    const auto found = splits.find(origin);
-    if (found != splits.end()) visit(found->second);
   });
 }
+
+/// The sides of the torn cells of a brick as they were, which are asked for in their order: how
+/// deep their corners are follows from which of them are their own, as long as the faces are the
+/// same.
+class KnownDepths {
+ public:
+  explicit KnownDepths(const std::vector<CutPiece>* sides) : m_sides(sides) {}
+
+  /// The piece of that cell with the same corners, of as many sides; null: none.
+  const CutPiece* of(const TornCell& cell, int side) {
+    if (m_sides == nullptr) return nullptr;
+    const auto& sides = *m_sides;
+    while (m_first < sides.size() && voxel_less(sides[m_first].cell, cell.cell)) ++m_first;
+    std::size_t end = m_first;
+    while (end < sides.size() && sides[end].cell == cell.cell) ++end;
+    if (end - m_first != std::size_t(cell.sides.count)) return nullptr;
+    const CutPiece& piece = sides[m_first + std::size_t(side)];
+    for (std::size_t n = 0; n < kCellCorners; ++n) {
+      if ((piece.depth[n] > 0) != (cell.sides.of[n] == side)) return nullptr;
+    }
+    return &piece;
+  }
+
+ private:
+  const std::vector<CutPiece>* m_sides;
+  std::size_t m_first = 0;
+};
 
 }  // namespace
 
@@ -73,24 +81,23 @@ CutInversion::Source& CutInversion::touch(std::size_t b) {
 
 void CutInversion::follow(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
                           const Changes& changes) {
+  const BrickList moved_bricks = numbers_of(changes.u);
   follow_moves(u, changes.u);
-  make_sides(torn, faces, unite(changes.torn, changes.faces));
-  // Torn cells are no whole ones.
-  for (const std::int32_t b : changes.torn) reach_stale(m_reach[std::size_t(b)]);
+  make_sides(u, torn, faces, changes.torn, changes.faces);
   for (const std::int32_t b : changes.faces) {
     reach_faces(m_reach[std::size_t(b)]);
     if (m_sources[std::size_t(b)]) reach_faces(m_sources[std::size_t(b)]->sides_reach);
   }
   m_whole_changed = find_corners(torn, with_upper_neighbours(m_cells, changes.torn));
   replace_whole(m_whole_changed);
-  const BrickList moved = with_lower_neighbours(m_cells, unite(changes.u, m_whole_changed));
+  const BrickList moved = with_lower_neighbours(m_cells, unite(moved_bricks, m_whole_changed));
   find_near(u, torn, unite(moved, changes.torn));
 }
 
 /// Corners of the cells of a brick lie in it and in its upper neighbours.
-void CutInversion::follow_moves(const VectorBricks& u, const BrickList& changed) {
+void CutInversion::follow_moves(const VectorBricks& u, const MovedBricks& changed) {
   tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
-    const auto b = std::size_t(changed[n]);
+    const auto b = std::size_t(changed[n].number);
     CutBox move;
     if (u.vectors.brick(b) == nullptr) {
       move.add(Vec3d(0));
@@ -100,7 +107,9 @@ void CutInversion::follow_moves(const VectorBricks& u, const BrickList& changed)
     }
     m_moves[b] = move;
   });
-  for (const std::int32_t number : with_lower_neighbours(m_cells, changed)) {
+  const BrickList beside = with_lower_neighbours(m_cells, numbers_of(changed));
+  std::vector<IndexBox> before;
+  for (const std::int32_t number : beside) {
     const auto b = std::size_t(number);
     CutBox move;
     for (int n = 0; n < kCellCorners; ++n) {
@@ -111,23 +120,29 @@ void CutInversion::follow_moves(const VectorBricks& u, const BrickList& changed)
     reach.add(Vec3d(m_cells.origin(b)) + move.lo - Vec3d(kReachSlack));
     reach.add(Vec3d(m_cells.origin(b)) + Vec3d(kBrickDim) + move.hi + Vec3d(kReachSlack));
     m_corner_moves[b] = move;
-    reach_stale(m_reach[b]);
-    m_reach[b] = reach.bricks();
-    reach_stale(m_reach[b]);
+    before.push_back(std::exchange(m_reach[b], reach.bricks()));
   }
+  reach_moved(u, changed, beside, before);
 }
 
-void CutInversion::make_sides(const TornCells& torn, const CutFaces& faces,
-                              const BrickList& bricks) {
-  const BrickList changed = bricks_where(
-      bricks, [&](std::size_t b) { return m_sources[b] != nullptr || !torn.in(b).empty(); });
+void CutInversion::make_sides(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
+                              const BrickList& torn_changed, const BrickList& faces_changed) {
+  const BrickList changed = bricks_where(unite(torn_changed, faces_changed), [&](std::size_t b) {
+    return m_sources[b] != nullptr || !torn.in(b).empty();
+  });
   std::vector<std::vector<CutPiece>> found(changed.size());
   tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
-    for (const TornCell& cell : torn.in(std::size_t(changed[n]))) {
+    const auto b = std::size_t(changed[n]);
+    const bool sees_others =
+        std::binary_search(faces_changed.begin(), faces_changed.end(), changed[n]);
+    KnownDepths known(sees_others || !m_sources[b] ? nullptr : &m_sources[b]->sides);
+    for (const TornCell& cell : torn.in(b)) {
       for (int side = 0; side < cell.sides.count; ++side) {
-        found[n].emplace_back(cell.cell, cell.u[std::size_t(side)],
-                              faces.depths_of_corners(cell, side));
-        found[n].back().elements = elements_of(cell.cell);
+        const CutPiece* const before = known.of(cell, side);
+        found[n].emplace_back(
+            cell.cell, cell.u[std::size_t(side)],
+            before != nullptr ? before->depth : faces.depths_of_corners(cell, side));
+        found[n].back().elements = before != nullptr ? before->elements : elements_of(cell.cell);
         nodes_of(found[n].back().corners(), cell.cell);
       }
     }
@@ -135,12 +150,11 @@ void CutInversion::make_sides(const TornCells& torn, const CutFaces& faces,
   for (std::size_t n = 0; n < changed.size(); ++n) {
     Source& source = touch(std::size_t(changed[n]));
     if (source.sides == found[n]) continue;
-    reach_stale(source.sides_reach);
+    reach_sides(u, source.sides, found[n]);
     CutBox reach;
     for (const CutPiece& side : found[n]) reach.add(box_of(side, kReachSlack));
     source.sides = std::move(found[n]);
     source.sides_reach = reach.bricks();
-    reach_stale(source.sides_reach);
   }
 }
 
@@ -185,18 +199,19 @@ void CutInversion::replace_whole(const BrickList& bricks) {
 /// with them.
 void CutInversion::find_near(const VectorBricks& u, const TornCells& torn,
                              const BrickList& bricks) {
-  const auto has_corners = [&](std::size_t b) {
+  static constexpr BrickMask kNone{};
+  const auto beside_corners = [&](std::size_t b) {
+    std::array<BrickMask, kCellCorners> corners{};
     for (int n = 0; n < kCellCorners; ++n) {
       const std::int32_t above = m_cells.find(m_cells.origin(b) + cell_corner(n) * kBrickDim);
-      if (above >= 0 && source(std::size_t(above)) != nullptr &&
-          mask_count(source(std::size_t(above))->corners) > 0) {
-        return true;
-      }
+      const bool has_any = above >= 0 && source(std::size_t(above)) != nullptr;
+      corners[std::size_t(n)] = has_any ? source(std::size_t(above))->corners : kNone;
     }
-    return false;
+    return cells_beside(corners);
   };
-  const BrickList looked_at =
-      bricks_where(bricks, [&](std::size_t b) { return source(b) != nullptr || has_corners(b); });
+  const BrickList looked_at = bricks_where(bricks, [&](std::size_t b) {
+    return source(b) != nullptr || mask_count(beside_corners(b)) > 0;
+  });
   std::vector<std::vector<Vec3i>> near(looked_at.size());
   std::vector<Counts> counts(looked_at.size());
   tbb::parallel_for(std::size_t(0), looked_at.size(), [&](std::size_t n) {
@@ -204,16 +219,12 @@ void CutInversion::find_near(const VectorBricks& u, const TornCells& torn,
     if (source(b) != nullptr) {
       for (const CutPiece& side : source(b)->sides) add_bricks_of(box_of(side, kNearFace), near[n]);
     }
-    for_each_active(cell_mask(m_cells, b), [&](int offset) {
+    BrickMask cells = beside_corners(b);
+    keep(cell_mask(m_cells, b), cells);
+    for_each_active(cells, [&](int offset) {
       const Vec3i cell = m_cells.origin(b) + brick_local(offset);
-      bool is_beside = false;
-      for (int corner = 0; corner < kCellCorners && !is_beside; ++corner) {
-        const Vec3i voxel = cell + cell_corner(corner);
-        const Source* const at = source(std::size_t(m_cells.find(voxel)));
-        is_beside = at != nullptr && mask_test(at->corners, brick_offset(voxel));
-      }
       std::array<Vec3f, 8> moves;
-      if (!is_beside || torn.holds(cell) || !corners_of(u, cell, moves)) return;
+      if (torn.holds(cell) || !corners_of(u, cell, moves)) return;
       const CutPiece whole = whole_piece(cell, moves);
       const bool is_tissue = whole.elements == 0xff;
       if (is_tissue) {
@@ -237,14 +248,6 @@ void CutInversion::find_near(const VectorBricks& u, const TornCells& torn,
     }
     source.near = std::move(near[n]);
   }
-}
-
-void CutInversion::reach_stale(const IndexBox& box) {
-  for_split_in(box, m_split, [](Split& split) { split.is_stale = true; });
-}
-
-void CutInversion::reach_faces(const IndexBox& box) {
-  for_split_in(box, m_split, [](Split& split) { split.knows_other_faces = true; });
 }
 
 bool CutInversion::corners_of(const VectorBricks& u, const Vec3i& cell,

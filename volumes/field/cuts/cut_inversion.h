@@ -9,8 +9,12 @@
 #include <unordered_map>
 
 #include "volumes/field/cuts/cut_offsets.h"
+#include "volumes/field/cuts/moved_bricks.h"
 
 namespace supple {
+
+/// Rounding of what a piece reaches, in voxels.
+constexpr double kReachSlack = 1e-3;
 
 /// A box of places, in voxels.
 struct CutBox {
@@ -40,14 +44,23 @@ struct CutBox {
   }
 };
 
+inline CutBox box_of(const CutPiece& piece, double margin) {
+  CutBox box;
+  box.add(Vec3d(piece.cell) + Vec3d(piece.lo) - Vec3d(margin));
+  box.add(Vec3d(piece.cell) + Vec3d(piece.hi) + Vec3d(margin));
+  return box;
+}
+
 class CutInversion {
  public:
   /// Nothing moves. `cells`: the bricks of the displacement, which outlive the inversion.
   CutInversion(const BrickTopology& cells, const BrickTopology& elements, const Vec3i& dims);
 
-  /// Bricks of cells in which something is other than before.
+  /// Where something is other than before, in bricks of cells. Nothing is known of a displacement
+  /// before the first time only.
   struct Changes {
-    BrickList u, torn, faces;
+    const MovedBricks& u;
+    BrickList torn, faces;
   };
   void follow(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
               const Changes& changes);
@@ -96,11 +109,16 @@ class CutInversion {
 
   Source* source(std::size_t b) const { return m_sources[b].get(); }
   Source& touch(std::size_t b);
-  void follow_moves(const VectorBricks& u, const BrickList& changed);
-  void make_sides(const TornCells& torn, const CutFaces& faces, const BrickList& bricks);
+  void follow_moves(const VectorBricks& u, const MovedBricks& changed);
+  void make_sides(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
+                  const BrickList& torn_changed, const BrickList& faces_changed);
   BrickList find_corners(const TornCells& torn, const BrickList& changed);
   void replace_whole(const BrickList& bricks);
   void find_near(const VectorBricks& u, const TornCells& torn, const BrickList& bricks);
+  void reach_moved(const VectorBricks& u, const MovedBricks& moved, const BrickList& beside,
+                   const std::vector<IndexBox>& reach_before);
+  void reach_sides(const VectorBricks& u, const std::vector<CutPiece>& before,
+                   const std::vector<CutPiece>& now);
   void reach_stale(const IndexBox& box);
   void reach_faces(const IndexBox& box);
 
@@ -108,9 +126,14 @@ class CutInversion {
   CutPiece whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>& moves) const;
   std::uint8_t elements_of(const Vec3i& cell) const;
   void add_pieces(const VectorBricks& u, const TornCells& torn, std::size_t source,
-                  CutBrick& brick) const;
+                  const SplitBrick* before, CutBrick& brick) const;
+  /// A brick that is to be gathered, and what it was before, or null.
+  struct Stale {
+    Vec3i origin;
+    const SplitBrick* before;
+  };
   std::vector<std::shared_ptr<SplitBrick>> gather(const VectorBricks& u, const TornCells& torn,
-                                                  const std::vector<Vec3i>& origins) const;
+                                                  const std::vector<Stale>& stale) const;
   std::vector<Vec3i> gather_all(const VectorBricks& u, const TornCells& torn, Progress* progress);
 
   struct Split {

@@ -34,11 +34,16 @@ void CutOffsets::set_bricks(const std::vector<std::shared_ptr<const SplitBrick>>
 void SplitBrick::solve(const SplitBrick* before, const Vec3i& dims) {
   const CutBrick::Kept kept = cut.find_reaching(before == nullptr ? nullptr : &before->cut);
   BrickMask others{};  // nodes
+  int piece = -1;
   for (int n = 0; n < kBrickVoxels; ++n) {
     const Vec3d node(cut.origin() + brick_local(n));
     const bool is_kept = before != nullptr && !kept.is_other_part[cut.part_of(node)];
     Vec3d offset(0);
-    const bool is_valid = is_kept ? mask_test(before->valid, n) : cut.find(node, dims, offset) >= 0;
+    if (!is_kept) {  // mostly cells along a row follow each other
+      const bool has_next = piece >= 0 && piece + 1 < int(cut.pieces().size());
+      piece = cut.find(node, dims, offset, has_next ? piece + 1 : -1);
+    }
+    const bool is_valid = is_kept ? mask_test(before->valid, n) : piece >= 0;
     offsets[std::size_t(n)] = is_kept ? before->offsets[std::size_t(n)] : Vec3f(offset);
     if (is_valid) mask_set(valid, n);
     if (is_kept ? mask_test(before->overlaps, n) : cut.is_overlapped(node, dims)) {
@@ -59,7 +64,10 @@ void SplitBrick::solve(const SplitBrick* before, const Vec3i& dims) {
     }
     if (is_other) mask_set(unsettled, cell);
   }
-  if (before != nullptr) cut.set_interpolated(before->cut.interpolated());
+  if (before != nullptr) {
+    cut.set_interpolated(before->cut.interpolated());
+    above = before->above;
+  }
   beside.resize(cut.pieces().size());
   is_beside_known.assign(beside.size(), false);
   for (std::size_t n = 0; n < beside.size(); ++n) {

@@ -15,6 +15,7 @@
 
 #include "volumes/field/cuts/cut_brick.h"
 #include "volumes/field/cuts/cut_faces.h"
+#include "volumes/field/cuts/upper_nodes.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/split_offsets.h"
 
@@ -113,6 +114,7 @@ struct SplitBrick {
   std::array<Vec3f, kBrickVoxels> offsets;
   std::vector<Beside> beside;  // of every piece
   BrickMask unsettled{};       // cells of which it must be found anew whether they are interpolated
+  UpperNodes above;            // as its cells have read them
   std::vector<bool> is_beside_known;
 };
 

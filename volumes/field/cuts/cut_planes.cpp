@@ -55,11 +55,39 @@ void CutPlanes::add(const Vec3d& at, int axis) {
   Vec3d along(0);
   along[axis] = 1;
   m_blocks[plane_block_of(at)].push_back(int(m_points.size()));
-  m_points.push_back({at, along});
+  m_points.push_back({at, along, axis});
 }
 
-void CutPlanes::fit() {
+/// Whether both have the same crossings in a block, in the same order.
+bool CutPlanes::has_same_block(const CutPlanes& other, const Vec3i& block) const {
+  const auto own = m_blocks.find(block), theirs = other.m_blocks.find(block);
+  if (own == m_blocks.end() || theirs == other.m_blocks.end()) {
+    return own == m_blocks.end() && theirs == other.m_blocks.end();
+  }
+  return std::equal(own->second.begin(), own->second.end(), theirs->second.begin(),
+                    theirs->second.end(), [&](int a, int b) {
+                      const Point& one = m_points[std::size_t(a)];
+                      const Point& same = other.m_points[std::size_t(b)];
+                      return one.at == same.at && one.axis == same.axis;
+                    });
+}
+
+/// A plane follows from the crossings of the blocks around.
+void CutPlanes::fit(const CutPlanes& known) {
+  std::vector<std::uint8_t> is_known(m_points.size());
+  for (const auto& [block, points] : m_blocks) {
+    bool is_same = true;
+    for (int n = 0; n < 27 && is_same; ++n) {
+      is_same = has_same_block(known, block + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1));
+    }
+    for (std::size_t n = 0; n < points.size() && is_same; ++n) {
+      const int same = known.m_blocks.at(block)[n];
+      m_points[std::size_t(points[n])].normal = known.m_points[std::size_t(same)].normal;
+      is_known[std::size_t(points[n])] = 1;
+    }
+  }
   tbb::parallel_for(std::size_t(0), m_points.size(), [&](std::size_t n) {
+    if (is_known[n]) return;
     Point& point = m_points[n];
     std::vector<Vec3d> near;
     for_near(point.at, [&](const Point& other) {

@@ -24,8 +24,8 @@ class CutPlanes {
  public:
   /// A place where the surface crosses a link along `axis`, index space.
   void add(const Vec3d& at, int axis);
-  /// Fits the planes to the crossings that were added.
-  void fit();
+  /// Fits the planes to the crossings that were added; `known` has some of them.
+  void fit(const CutPlanes& known);
   bool empty() const { return m_points.empty(); }
 
   struct Side {
@@ -38,7 +38,9 @@ class CutPlanes {
  private:
   struct Point {
     Vec3d at, normal;
+    int axis;
   };
+  bool has_same_block(const CutPlanes& other, const Vec3i& block) const;
   template <class Visit>
   void for_near(const Vec3d& X, Visit&& visit) const;
 

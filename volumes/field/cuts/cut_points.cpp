@@ -122,8 +122,14 @@ bool CutFaces::is_beside_surface(const Vec3d& X) const {
 void CutFaces::fit_planes(std::size_t b) {
   if (!m_points[b]) return;
   for (std::vector<Point>& block : m_points[b]->blocks) {
+    for (Point& point : block) fit_plane(point);
+  }
+}
+
+void CutFaces::mark_open(std::size_t b) {
+  if (!m_points[b]) return;
+  for (std::vector<Point>& block : m_points[b]->blocks) {
     for (Point& point : block) {
-      fit_plane(point);
       point.is_open = m_openings[b][std::size_t(point.opening)].apart.length() > m_closed;
     }
   }
@@ -163,9 +169,10 @@ BrickList CutFaces::follow(const TornCells& torn, const CutBody& body, const Bri
   }
   // Their points and planes.
   const BrickList pointed = with_neighbours(m_bricks, linked);
-  const BrickList fitted = unite(with_neighbours(m_bricks, pointed), opened);
-  std::vector<std::unique_ptr<BrickPoints>> before(fitted.size());
-  in_parallel(fitted, [&](std::size_t n, std::size_t b) {
+  const BrickList fitted = with_neighbours(m_bricks, pointed);
+  const BrickList marked = unite(fitted, opened);
+  std::vector<std::unique_ptr<BrickPoints>> before(marked.size());
+  in_parallel(marked, [&](std::size_t n, std::size_t b) {
     if (m_points[b]) before[n] = std::make_unique<BrickPoints>(*m_points[b]);
   });
   std::vector<std::unique_ptr<BrickPoints>> fresh(pointed.size());
@@ -174,12 +181,13 @@ BrickList CutFaces::follow(const TornCells& torn, const CutBody& body, const Bri
     m_points[std::size_t(pointed[n])] = std::move(fresh[n]);
   }
   in_parallel(fitted, [&](std::size_t, std::size_t b) { fit_planes(b); });
+  in_parallel(marked, [&](std::size_t, std::size_t b) { mark_open(b); });
   BrickList others = bricks_where(pointed, [&](std::size_t b) { return m_points[b] != nullptr; });
-  for (std::size_t n = 0; n < fitted.size(); ++n) {
-    const std::unique_ptr<BrickPoints>& now = m_points[std::size_t(fitted[n])];
+  for (std::size_t n = 0; n < marked.size(); ++n) {
+    const std::unique_ptr<BrickPoints>& now = m_points[std::size_t(marked[n])];
     const bool is_same =
         (now == nullptr) == (before[n] == nullptr) && (now == nullptr || *now == *before[n]);
-    if (!is_same) others = unite(others, {fitted[n]});
+    if (!is_same) others = unite(others, {marked[n]});
   }
   // What places know of them.
   const BrickList seeing = with_neighbours(m_bricks, others);

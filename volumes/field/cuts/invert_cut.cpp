@@ -23,12 +23,13 @@ struct CutFollower {
         offsets(std::make_shared<CutOffsets>(cells, geometry)),
         inversion(cells, elements, geometry.dims()) {}
 
-  /// Follows u on `cells` where it has changed; `body_changed`: where the body has, besides.
-  void follow(const VectorBricks& u, const CutBody& body, const BrickList& changed,
+  /// Follows u on `cells` where it has moved; `body_changed`: where the body has, besides.
+  void follow(const VectorBricks& u, const CutBody& body, const MovedBricks& moved,
               const BrickList& body_changed) {
-    const BrickList torn_changed = torn.follow(u, body, unite(changed, body_changed), kClosedCut);
+    const BrickList torn_changed =
+        torn.follow(u, body, numbers_of(moved), body_changed, kClosedCut);
     const BrickList faces_changed = offsets->faces().follow(torn, body, torn_changed);
-    inversion.follow(u, torn, offsets->faces(), {changed, torn_changed, faces_changed});
+    inversion.follow(u, torn, offsets->faces(), {moved, torn_changed, faces_changed});
   }
   /// The bricks that read others than before, after follow() and what is whole.
   std::vector<Vec3i> split(const VectorBricks& u, const VectorBrickFinder& lattice,
@@ -73,7 +74,7 @@ bool has_open_cut(const Displacement& displacement, const CutElements& body) {
   const Vec3i& dims = displacement.geometry.dims();
   const CutBody cut(displacement.u, body.elements, body.cuts, dims);
   TornCells torn(cut.cells());
-  torn.follow(thickened(displacement.u, dims), cut, all_bricks(cut.cells()), kClosedCut);
+  torn.follow(thickened(displacement.u, dims), cut, all_bricks(cut.cells()), {}, kClosedCut);
   return !torn.empty();
 }
 
@@ -86,7 +87,7 @@ OffsetField invert_cut(const Displacement& displacement, const CutElements& body
   CutFollower follower(thick.u.topology, body.elements, displacement.geometry);
   {
     const CutBody cut(displacement.u, body.elements, body.cuts, dims);
-    follower.follow(thick.u, cut, all_bricks(follower.cells), {});
+    follower.follow(thick.u, cut, all_moved(follower.cells), {});
   }
   if (follower.torn.empty()) return invert(displacement, params, progress);
   thick.u.topology = follower.inversion.whole();
@@ -140,20 +141,21 @@ std::vector<Vec3i> IncrementalCutInversion::Impl::follow_cuts(const Displacement
   if (std::exchange(has_other_cuts, false)) cut->body.set_cuts(cuts);
   VectorBricks& u = cut->extended.u;
   const CutBody::Changes changes = cut->body.follow(displacement.u, given);
-  BrickList extended = cut->extension.follow(u, displacement.u, cut->body, changes, changed);
-  if (is_new) extended = unite(extended, changed);
+  const MovedBricks moved = cut->extension.follow(u, displacement.u, cut->body, changes, changed);
   CutFollower& follower = cut->follower;
-  follower.follow(u, cut->body, unite(given, extended), unite(changes.links, changes.parted));
+  follower.follow(u, cut->body, is_new ? all_moved(u.topology) : moved,
+                  unite(changes.links, changes.parted));
   u.topology = follower.inversion.whole();
-  const std::vector<Vec3i> touched =
-      inversion->update(cut->extended, unite(extended, follower.inversion.whole_changed()));
+  BrickList others = unite(numbers_of(moved), follower.inversion.whole_changed());
+  if (is_new) others = unite(others, changed);
+  const std::vector<Vec3i> touched = inversion->update(cut->extended, others);
   u.topology = follower.cells;
   const std::int64_t gathered = follower.inversion.gathered();
-  std::vector<Vec3i> others = follower.split(u, inversion->finder(), touched, nullptr);
+  std::vector<Vec3i> read_others = follower.split(u, inversion->finder(), touched, nullptr);
   work = {cut->extension.filled(), follower.inversion.gathered() - gathered,
           std::int64_t(touched.size())};
   if (!cut->body.has_cuts()) cut.reset();
-  return others;
+  return read_others;
 }
 
 std::vector<Vec3i> IncrementalCutInversion::Impl::follow(const Displacement& displacement,

@@ -1,5 +1,6 @@
 // The split bricks of a cut body: gathered where something that reaches them has changed.
 #include <algorithm>
+#include <iterator>
 
 #include <tbb/parallel_for.h>
 
@@ -18,21 +19,6 @@ Vec3i brick_step(const Vec3i& origin) {
   return {origin.x >> 3, origin.y >> 3, origin.z >> 3};
 }
 
-/// The cells of a brick that have corners in it and the brick above it along the axes of n alone.
-std::array<BrickMask, kCellCorners> upper_cells() {
-  std::array<BrickMask, kCellCorners> cells{};
-  for (int offset = 0; offset < kBrickVoxels; ++offset) {
-    const Vec3i local = brick_local(offset);
-    for (int n = 0; n < kCellCorners; ++n) {
-      bool sees = true;
-      for (int a = 0; a < 3; ++a) sees = sees && (!(n >> (2 - a) & 1) || local[a] == kBrickDim - 1);
-      if (sees) mask_set(cells[std::size_t(n)], offset);
-    }
-  }
-  return cells;
-}
-const std::array<BrickMask, kCellCorners> kUpperCells = upper_cells();
-
 /// Whether a cell with these corners reaches a box.
 bool reaches(const Vec3i& cell, const std::array<Vec3f, 8>& u, const CutBox& box) {
   for (int a = 0; a < 3; ++a) {
@@ -47,15 +33,33 @@ bool reaches(const Vec3i& cell, const std::array<Vec3f, 8>& u, const CutBox& box
   return true;
 }
 
+/// Pieces of a brick.
+struct PieceRun {
+  const CutPiece *begin = nullptr, *end = nullptr;
+};
+
+/// Those that are the whole cells of one source: sides come first, then sources ascending.
+PieceRun whole_pieces_of(const CutBrick& brick, const Vec3i& source) {
+  const auto comes_before = [](const CutPiece& piece, const Vec3i& origin) {
+    return !piece.is_whole || voxel_less(brick_step(piece.cell), brick_step(origin));
+  };
+  const CutPiece* const first = brick.pieces().data();
+  const CutPiece* const end = first + brick.pieces().size();
+  PieceRun run;
+  run.begin = run.end = std::lower_bound(first, end, source, comes_before);
+  while (run.end != end && brick_step(run.end->cell) == brick_step(source)) ++run.end;
+  return run;
+}
+
 }  // namespace
 
 /// The whole cells of a source that reach the brick. Only those are looked at that may, by how far
-/// the corners of the source's cells move.
+/// the corners of the source's cells move. Those that have not moved are taken over.
 void CutInversion::add_pieces(const VectorBricks& u, const TornCells& torn, std::size_t b,
-                              CutBrick& brick) const {
+                              const SplitBrick* before, CutBrick& brick) const {
   CutBox box;
-  box.add(Vec3d(brick.origin()) - Vec3d(1e-3));
-  box.add(Vec3d(brick.origin()) + Vec3d(kBrickDim + 1e-3));
+  box.add(Vec3d(brick.origin()) - Vec3d(kReachSlack));
+  box.add(Vec3d(brick.origin()) + Vec3d(kBrickDim + kReachSlack));
   const Vec3i& origin = m_cells.origin(b);
   BrickMask cells{};
   IndexBox near;
@@ -83,6 +87,7 @@ void CutInversion::add_pieces(const VectorBricks& u, const TornCells& torn, std:
     vectors[std::size_t(n)] = moving < 0 ? nullptr : u.vectors.brick_or_zero(std::size_t(moving));
     elements[std::size_t(n)] = solid < 0 ? &kNone : &m_elements.mask(std::size_t(solid));
   }
+  PieceRun known = before == nullptr ? PieceRun() : whole_pieces_of(before->cut, origin);
   for_each_active(cells, [&](int offset) {
     const Vec3i local = brick_local(offset);
     std::array<Vec3f, 8> moves;
@@ -94,6 +99,12 @@ void CutInversion::add_pieces(const VectorBricks& u, const TornCells& torn, std:
       solid |= unsigned(mask_test(*elements[from], brick_offset(corner))) << n;
     }
     if (!reaches(origin + local, moves, box)) return;
+    while (known.begin != known.end && voxel_less(known.begin->cell, origin + local)) ++known.begin;
+    if (known.begin != known.end && known.begin->cell == origin + local &&
+        known.begin->u == moves) {
+      brick.add(*known.begin);
+      return;
+    }
     CutPiece piece(origin + local, moves);
     piece.elements = std::uint8_t(solid);
     brick.add(piece);
@@ -103,12 +114,13 @@ void CutInversion::add_pieces(const VectorBricks& u, const TornCells& torn, std:
 /// The pieces that reach these bricks: sides in the order of their cells, then whole cells in
 /// ascending order of their sources.
 std::vector<std::shared_ptr<SplitBrick>> CutInversion::gather(
-    const VectorBricks& u, const TornCells& torn, const std::vector<Vec3i>& origins) const {
+    const VectorBricks& u, const TornCells& torn, const std::vector<Stale>& stale) const {
   std::unordered_map<Vec3i, std::size_t, VoxelHash> number;
   IndexBox around;
-  for (std::size_t n = 0; n < origins.size(); ++n) {
-    number.emplace(origins[n], n);
-    around = join(around, {brick_step(origins[n]), brick_step(origins[n])});
+  for (std::size_t n = 0; n < stale.size(); ++n) {
+    const Vec3i step = brick_step(stale[n].origin);
+    number.emplace(stale[n].origin, n);
+    around = join(around, {step, step});
   }
   const auto for_reached = [&](const IndexBox& box, auto&& visit) {
     IndexBox part;
@@ -118,9 +130,9 @@ std::vector<std::shared_ptr<SplitBrick>> CutInversion::gather(
     }
     if (part.empty()) return;
     const Vec3d extent = Vec3d(part.hi - part.lo) + Vec3d(1);
-    if (extent.x * extent.y * extent.z > double(origins.size())) {
-      for (std::size_t n = 0; n < origins.size(); ++n) {
-        if (part.contains(brick_step(origins[n]))) visit(n);
+    if (extent.x * extent.y * extent.z > double(stale.size())) {
+      for (std::size_t n = 0; n < stale.size(); ++n) {
+        if (part.contains(brick_step(stale[n].origin))) visit(n);
       }
       return;
     }
@@ -129,28 +141,28 @@ std::vector<std::shared_ptr<SplitBrick>> CutInversion::gather(
       if (found != number.end()) visit(found->second);
     });
   };
-  std::vector<std::vector<std::size_t>> sources(origins.size());
-  std::vector<std::vector<const CutPiece*>> sides(origins.size());
+  std::vector<std::vector<std::size_t>> sources(stale.size());
+  std::vector<std::vector<const CutPiece*>> sides(stale.size());
   for (std::size_t b = 0; b < m_reach.size(); ++b) {
     for_reached(m_reach[b], [&](std::size_t n) { sources[n].push_back(b); });
     if (source(b) == nullptr || source(b)->sides.empty()) continue;
     for_reached(source(b)->sides_reach, [&](std::size_t n) {
       for (const CutPiece& side : source(b)->sides) {
-        CutBox reach;
-        reach.add(Vec3d(side.cell) + Vec3d(side.lo) - Vec3d(1e-3));
-        reach.add(Vec3d(side.cell) + Vec3d(side.hi) + Vec3d(1e-3));
-        if (reach.bricks().contains(brick_step(origins[n]))) sides[n].push_back(&side);
+        const IndexBox reach = box_of(side, kReachSlack).bricks();
+        if (reach.contains(brick_step(stale[n].origin))) sides[n].push_back(&side);
       }
     });
   }
-  std::vector<std::shared_ptr<SplitBrick>> bricks(origins.size());
+  std::vector<std::shared_ptr<SplitBrick>> bricks(stale.size());
   tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
-    bricks[n] = std::make_shared<SplitBrick>(origins[n]);
+    bricks[n] = std::make_shared<SplitBrick>(stale[n].origin);
     std::stable_sort(sides[n].begin(), sides[n].end(), [](const CutPiece* a, const CutPiece* b) {
       return voxel_less(a->cell, b->cell);
     });
     for (const CutPiece* side : sides[n]) bricks[n]->cut.add(*side);
-    for (const std::size_t b : sources[n]) add_pieces(u, torn, b, bricks[n]->cut);
+    for (const std::size_t b : sources[n]) {
+      add_pieces(u, torn, b, stale[n].before, bricks[n]->cut);
+    }
   });
   return bricks;
 }
@@ -165,18 +177,18 @@ std::vector<Vec3i> CutInversion::gather_all(const VectorBricks& u, const TornCel
   sort_unique(next);
   while (!next.empty()) {
     report(progress, 1);
-    std::vector<Vec3i> stale;
+    std::vector<Stale> stale;
     for (const Vec3i& origin : next) {
       const auto found = m_split.find(origin);
       Split& split = known[origin];
       if (found != m_split.end()) split = std::move(found->second);
-      if (!split.brick || split.is_stale) stale.push_back(origin);
+      if (!split.brick || split.is_stale) stale.push_back({origin, split.brick.get()});
     }
     const std::vector<std::shared_ptr<SplitBrick>> gathered = gather(u, torn, stale);
     m_gathered += std::int64_t(stale.size());
     std::vector<std::uint8_t> is_other(stale.size());
     tbb::parallel_for(std::size_t(0), stale.size(), [&](std::size_t n) {
-      Split& split = known.at(stale[n]);
+      Split& split = known.at(stale[n].origin);
       split.is_stale = false;
       if (split.brick && split.brick->cut.pieces() == gathered[n]->cut.pieces()) return;
       is_other[n] = 1;
@@ -184,7 +196,7 @@ std::vector<Vec3i> CutInversion::gather_all(const VectorBricks& u, const TornCel
       split.brick = gathered[n];
     });
     for (std::size_t n = 0; n < stale.size(); ++n) {
-      if (is_other[n]) others.push_back(stale[n]);
+      if (is_other[n]) others.push_back(stale[n].origin);
     }
     std::vector<Vec3i> beside;
     for (const Vec3i& origin : next) {
@@ -208,7 +220,9 @@ std::vector<Vec3i> CutInversion::split(const VectorBricks& u, const TornCells& t
                                        const CutFaces& faces, const VectorBrickFinder& lattice,
                                        const std::vector<Vec3i>& touched, Progress* progress) {
   std::vector<Vec3i> others = gather_all(u, torn, progress);
-  others.insert(others.end(), touched.begin(), touched.end());
+  // Of split bricks nobody reads what the lattice has.
+  std::copy_if(touched.begin(), touched.end(), std::back_inserter(others),
+               [&](const Vec3i& origin) { return m_split.count(origin) == 0; });
   sort_unique(others);
   const VectorBrickFinder all = [&](const Vec3i& origin) -> VectorBrickView {
     const auto found = m_split.find(origin);
@@ -217,13 +231,12 @@ std::vector<Vec3i> CutInversion::split(const VectorBricks& u, const TornCells& t
   const auto is_other = [&](const Vec3i& origin) {
     return std::binary_search(others.begin(), others.end(), origin, voxel_less);
   };
-  // Cells with a corner in a brick above that is other.
-  const auto cells_that_see = [&](const Vec3i& origin) {
-    BrickMask cells{};
+  const auto sees_others = [&](const Vec3i& origin) {
+    bool sees = false;
     for (int n = 1; n < kCellCorners; ++n) {
-      if (is_other(origin + cell_corner(n) * kBrickDim)) add(kUpperCells[std::size_t(n)], cells);
+      sees = sees || is_other(origin + cell_corner(n) * kBrickDim);
     }
-    return cells;
+    return sees;
   };
   std::vector<Split*> splits;
   m_bricks.clear();
@@ -234,7 +247,10 @@ std::vector<Vec3i> CutInversion::split(const VectorBricks& u, const TornCells& t
   tbb::parallel_for(std::size_t(0), splits.size(), [&](std::size_t n) {
     Split& split = *splits[n];
     const Vec3i& origin = split.brick->cut.origin();
-    BrickMask cells = cells_that_see(origin);
+    BrickMask cells{};
+    if (!split.brick->above.are_known() || sees_others(origin)) {
+      cells = split.brick->above.follow(all, origin);
+    }
     add(std::exchange(split.brick->unsettled, BrickMask{}), cells);
     split.brick->cut.find_interpolated(all, m_dims, cells);
     if (is_other(origin) || split.knows_other_faces) {

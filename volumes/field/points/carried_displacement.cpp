@@ -34,7 +34,7 @@ CarriedDisplacement::CarriedDisplacement(const Displacement& displacement, const
   if (body.cuts.empty()) return;
   const CutBody cut(displacement.u, body.elements, body.cuts, displacement.geometry.dims());
   TornCells torn(cut.cells());
-  torn.follow(m_u, cut, all_bricks(cut.cells()), kClosedCut);
+  torn.follow(m_u, cut, all_bricks(cut.cells()), {}, kClosedCut);
   CutFaces faces(cut.cells(), displacement.geometry, kClosedCut);
   faces.follow(torn, cut, all_bricks(cut.cells()));
   for (std::size_t b = 0; b < cut.cells().brick_count(); ++b) tear(torn.in(b), faces);

@@ -1,0 +1,57 @@
+#include "volumes/field/cuts/moved_bricks.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <tbb/parallel_for.h>
+
+namespace supple {
+
+MovedBricks all_moved(const BrickTopology& topology) {
+  MovedBricks moved(topology.brick_count());
+  for (std::size_t b = 0; b < moved.size(); ++b) {
+    moved[b].number = std::int32_t(b);
+    moved[b].voxels = topology.mask(b);
+  }
+  return moved;
+}
+
+BrickList numbers_of(const MovedBricks& moved) {
+  BrickList numbers;
+  for (const MovedBrick& brick : moved) numbers.push_back(brick.number);
+  return numbers;
+}
+
+const MovedBrick* find_moved(const MovedBricks& moved, std::int32_t number) {
+  const auto found =
+      std::lower_bound(moved.begin(), moved.end(), number,
+                       [](const MovedBrick& brick, std::int32_t b) { return brick.number < b; });
+  return found != moved.end() && found->number == number ? &*found : nullptr;
+}
+
+KeptVectors::KeptVectors(const VectorBricks& u, const BrickList& bricks) : m_kept(bricks.size()) {
+  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    m_kept[n].number = bricks[n];
+    const Vec3f* const vectors = u.vectors.brick_or_zero(std::size_t(bricks[n]));
+    m_kept[n].before.assign(vectors, vectors + kBrickVoxels);
+  });
+}
+
+MovedBricks KeptVectors::moved(const VectorBricks& u) {
+  tbb::parallel_for(std::size_t(0), m_kept.size(), [&](std::size_t n) {
+    const Vec3f* const now = u.vectors.brick_or_zero(std::size_t(m_kept[n].number));
+    for (int offset = 0; offset < kBrickVoxels; ++offset) {
+      const Vec3f& before = m_kept[n].before[std::size_t(offset)];
+      if (std::memcmp(&now[offset], &before, sizeof before) != 0) {
+        mask_set(m_kept[n].voxels, offset);
+      }
+    }
+  });
+  m_kept.erase(
+      std::remove_if(m_kept.begin(), m_kept.end(),
+                     [](const MovedBrick& brick) { return mask_count(brick.voxels) == 0; }),
+      m_kept.end());
+  return std::move(m_kept);
+}
+
+}  // namespace supple
