@@ -34,11 +34,11 @@ SidesReport largest_part(Attempt&& attempt, MayGoOn&& may_go_on) {
 
 }  // namespace
 
-CutContact::CutContact(Body& body, std::shared_ptr<const CutLips> lips, ContactEffort effort,
-                       std::shared_ptr<const CutLips::Before> before)
+CutContact::CutContact(Body& body, std::shared_ptr<CutLips> lips, ContactEffort effort,
+                       std::shared_ptr<const LipsBefore> before)
     : m_body(body), m_lips(std::move(lips)), m_before(std::move(before)), m_effort(effort) {
   if (!empty() && !m_before) {
-    m_before = std::make_shared<const CutLips::Before>(m_lips->points_before());
+    m_before = std::make_shared<const LipsBefore>(m_lips->points_before());
   }
 }
 

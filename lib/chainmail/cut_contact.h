@@ -6,7 +6,7 @@
 // project.cpp meets both with the smallest possible largest move, exactly and whatever the order.
 // Both lips yield alike, unless one is held. Lips change their shape as they are pushed, so the
 // rounds go on until no point of a lip is behind the other one. A body without cuts costs nothing,
-// one whose lips do not meet 2 us per cut link; lips that meet cost what they push.
+// one whose lips do not meet what lip_facings.h tells; lips that meet cost what they push.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,10 @@
 #include "lib/body/holds.h"
 #include "lib/chainmail/cut_lips.h"
 #include "lib/chainmail/projection.h"
+#include "lib/chainmail/sides_report.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-struct SidesReport {
-  std::int64_t overlapping = 0;  // points of lips that were behind the other lip
-  double deepest_voxels = 0;     // of these
-  double max_move_voxels = 0;    // that took them apart
-  std::int64_t left = 0;         // points that still are too deep behind it
-  double left_voxels = 0;        // the deepest of these
-  /// Of a side at rest, where the deepest is, of those that are left if any are.
-  Vec3i voxel{0, 0, 0};
-  /// Of the drag, in 1/kDragParts, which what is held on both sides leaves room for.
-  int parts = 1024;
-  /// Bones have moved and left no room: what is left was pressed between them.
-  bool is_crushed = false;
-};
 
 /// live: at most about an eighth of a second, after which sides that overlap are left.
 enum class ContactEffort { full, live };
@@ -42,12 +29,11 @@ class CutContact {
   /// Remembers which parts of lips lie before each other: make it before the body moves, or give
   /// what another one remembered. `lips`: of the body and its cuts without the links that rigid
   /// pieces hide. The body outlives this.
-  CutContact(Body& body, std::shared_ptr<const CutLips> lips,
-             ContactEffort effort = ContactEffort::full,
-             std::shared_ptr<const CutLips::Before> before = nullptr);
-  const std::shared_ptr<const CutLips::Before>& before() const { return m_before; }
+  CutContact(Body& body, std::shared_ptr<CutLips> lips, ContactEffort effort = ContactEffort::full,
+             std::shared_ptr<const LipsBefore> before = nullptr);
+  const std::shared_ptr<const LipsBefore>& before() const { return m_before; }
 
-  static constexpr int kDragParts = 1024;
+  static constexpr int kDragParts = kContactParts;
 
   bool empty() const { return m_lips->empty(); }
 
@@ -78,8 +64,8 @@ class CutContact {
   void count(int c, const CutLips::Contacts& contacts, SidesReport& report) const;
 
   Body& m_body;
-  std::shared_ptr<const CutLips> m_lips;
-  std::shared_ptr<const CutLips::Before> m_before;
+  std::shared_ptr<CutLips> m_lips;
+  std::shared_ptr<const LipsBefore> m_before;
   ContactEffort m_effort;
   std::int64_t m_changed_bricks = 0;
 };

@@ -11,16 +11,18 @@
 // whatever the lips slid along each other. e_k is the cell's present shape.
 //
 // Lips end where the inversion lets them end (volumes/field/cuts/cut_body.h): half a link beyond
-// the last element, more or less, carried on linearly. Cost: 2 us per cut link.
+// the last element, more or less, carried on linearly. Cost: that of lip_facings.h.
 #pragma once
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "lib/body/body.h"
 #include "lib/chainmail/contact_link.h"
+#include "lib/chainmail/lip_facings.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -29,6 +31,12 @@ namespace supple {
 /// stop nothing.
 constexpr double kLipOverlap = 0.1;
 
+/// The points of both lips across each axis that lie before the other lip, or beside it.
+struct LipsBefore {
+  std::array<std::array<std::vector<char>, 2>, 3> of;
+};
+
+/// Follows the body from one question to the next, so only one thread at a time may ask.
 class CutLips {
  public:
   /// Of the cut links between elements that are not both of rigid pieces. Both outlive this.
@@ -37,9 +45,7 @@ class CutLips {
   bool empty() const;
   /// Whether the body has the elements, cut links and rigid pieces of which these were found.
   bool is_current() const;
-  /// The points of both lips across each axis that lie before the other lip, or beside it.
-  using Before = std::array<std::array<std::vector<char>, 2>, 3>;
-  Before points_before() const;
+  LipsBefore points_before();
 
   struct Contacts {
     std::vector<ContactLink> links;
@@ -50,46 +56,17 @@ class CutLips {
   /// Contacts across one axis in the present state. Points more than two voxels behind a lip count
   /// where they lay `before` it: others came round the end of the cut.
   /// `part`: of the way out that overlapping points are to go.
-  Contacts contacts(int axis, const Before& before, double part = 1) const;
+  Contacts contacts(int axis, const LipsBefore& before, double part = 1);
 
  private:
-  struct Lip {
-    std::array<Slot, 2> ends;  // low, high
-    Vec3i low;
-    double place;  // 0 to 1 along the link
-    int sheet;
-    bool is_layered = false;  // another lip of the sheet lies before or behind it
-  };
-  /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) along the other two axes: points of lips, or, where
-  /// a lip ends, what is half a voxel beyond them.
-  struct Cell {
-    std::array<int, 4> lips;
-    std::array<double, 8> beyond{};  // u, v of each corner
-  };
-  struct Sheets {
-    std::vector<Lip> lips;
-    std::vector<Cell> cells;
-  };
-  /// Where a point of a lip is over a cell of the other one.
-  struct Facing {
-    std::array<double, 4> weights;
-    double gap;  // voxels along the axis; negative behind
-    double slid;
-  };
-  using Points = std::vector<Vec3d>;
-  class CellFinder;
-
+  using Lip = LipSheets::Lip;
+  using Cell = LipSheets::Cell;
   using LipMap = std::unordered_map<Vec3i, int, VoxelHash>;  // by the voxel at the low end
 
-  static bool is_of_one_layer(const Sheets& sheets, std::size_t lip, const Cell& cell);
   static Cell rim_cell(int lip, int beside, int above, double u, double v);
   void join_sheets(int axis);
   int neighbour(int axis, const LipMap& at, const Lip& lip, int along, int step) const;
-  Vec3d displacement(Slot slot) const;
-  Vec3d carried_on(Slot beyond, Slot own) const;
-  Points points(int axis, int side) const;
-  template <class Visit>
-  void for_each_facing(int axis, Visit&& visit) const;
+  LipFacings& facings(int axis);
 
   const Body& m_body;
   const LinkCuts& m_cuts;
@@ -99,7 +76,8 @@ class CutLips {
     std::shared_ptr<const BrickValues> rigid;
   };
   Source m_source;
-  std::array<Sheets, 3> m_sheets;
+  std::array<LipSheets, 3> m_sheets;
+  std::array<std::optional<LipFacings>, 3> m_facings;  // none: nobody has asked
 };
 
 }  // namespace supple

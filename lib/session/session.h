@@ -38,6 +38,9 @@ struct SessionOptions {
 
 constexpr std::size_t kMostUndoBytes = std::size_t(512) << 20;
 
+class CutContact;
+class CutLips;
+struct LipsBefore;
 struct StepNodes;
 
 class Session {
@@ -202,10 +205,10 @@ class Session {
   DensitySource m_source;  // of a volume
   MaterialTable m_material;
   Body m_body;
-  std::unique_ptr<VoxelEcmModel> m_ecm;   // of m_body
-  PieceContact m_bones;                   // shapes of the pieces that have come near each other
-  std::shared_ptr<const CutLips> m_lips;  // of m_body as steps found them last; null: no cut yet
-  std::shared_ptr<const CutLips::Before> m_lips_before;  // of a hand that leads a bone
+  std::unique_ptr<VoxelEcmModel> m_ecm;  // of m_body
+  PieceContact m_bones;                  // shapes of the pieces that have come near each other
+  std::shared_ptr<CutLips> m_lips;       // of m_body as steps found them last; null: no cut yet
+  std::shared_ptr<const LipsBefore> m_lips_before;  // of a hand that leads a bone
   LinkCheck m_links;
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // elements that earlier steps dragged

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "lib/chainmail/cut_contact.h"
 #include "lib/model/quasi_static.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/free_poses.h"

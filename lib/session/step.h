@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lib/chainmail/ball_limits.h"
-#include "lib/chainmail/cut_contact.h"
+#include "lib/chainmail/sides_report.h"
 #include "lib/chainmail/tighten.h"
 #include "lib/material/material.h"
 #include "lib/model/relax_model.h"

@@ -149,7 +149,7 @@ void warn_of_stop(const BoneStop& stop, const EcmReport& report, Progress* progr
 }
 
 void warn_of_report(const SidesReport& report, Progress* progress) {
-  if (report.parts < CutContact::kDragParts) {
+  if (report.parts < kContactParts) {
     warn(progress, "the sides of a cut stopped the drag: both are held where they meet");
   }
   if (report.is_crushed) {

@@ -2,6 +2,7 @@
 // other.
 #include <gtest/gtest.h>
 
+#include "lib/chainmail/cut_lips.h"
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
@@ -122,7 +123,7 @@ TEST_P(PropertySessionContact, ARelaxationDoesNotPushTheLipsThroughEachOther) {
     relax.relax = RelaxParams();
     relax.relax->passes = 100;
     const StepRecord& record = session.step(relax);
-    EXPECT_TRUE(record.contact.overlapping > 0 || record.contact.parts < CutContact::kDragParts);
+    EXPECT_TRUE(record.contact.overlapping > 0 || record.contact.parts < kContactParts);
     EXPECT_EQ(record.contact.left, 0);
     EXPECT_EQ(overlaps(session), 0) << bone;
     EXPECT_EQ(check_links(session.body()).violated, 0);
@@ -147,9 +148,9 @@ TEST_P(PropertySessionContact, LipsThatAreBothHeldStopTheDragWhereTheyMeet) {
   push.fix = {{{13, 0, 8}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
   const StepRecord& record = session.step(push);
   EXPECT_EQ(record.contact.left, 0);
-  EXPECT_LT(record.contact.parts, CutContact::kDragParts);
+  EXPECT_LT(record.contact.parts, kContactParts);
   // The drag tells of it, and goes as far.
-  EXPECT_LE(record.report.fraction(), double(record.contact.parts) / CutContact::kDragParts);
+  EXPECT_LE(record.report.fraction(), double(record.contact.parts) / kContactParts);
   EXPECT_NEAR(session.body().offset({5, 11, 12}, 0) / 65536.0, 6 * record.report.fraction(), 1e-3);
   EXPECT_EQ(overlaps(session), 0);
   // One link on either side of the cut gives way by 0.4, and so do the halves of a link to the
@@ -182,7 +183,7 @@ TEST_P(PropertySessionContact, OverRigidBoneHeldLipsStopTheDragOnItsStraightWay)
   push.fix = {{{13, 0, 10}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
   const StepRecord& record = session.step(push);
   EXPECT_EQ(record.contact.left, 0);
-  EXPECT_LT(record.contact.parts, CutContact::kDragParts);
+  EXPECT_LT(record.contact.parts, kContactParts);
   EXPECT_NEAR(session.body().offset({5, 11, 12}, 0) / 65536.0, 4 * record.report.fraction(), 1e-3);
   EXPECT_EQ(overlaps(session), 0);
   EXPECT_EQ(check_links(session.body()).violated, 0);
@@ -198,7 +199,7 @@ TEST_P(PropertySessionContact, LiveDragsOverRigidBoneKeepTheLipsApart) {
   for (int n = 0; n < 8; ++n) {
     const StepRecord& record = session.step(push);
     EXPECT_EQ(record.contact.left, 0) << n;
-    stopped += record.contact.parts < CutContact::kDragParts;
+    stopped += record.contact.parts < kContactParts;
     push.fix.clear();
   }
   EXPECT_GT(stopped, 0);
@@ -231,7 +232,7 @@ TEST_P(PropertySessionContact, TissueStopsNoDragOfBone) {
   // So are drags at once.
   lift.shift_pieces = false;
   const StepRecord& record = session.step(lift);
-  EXPECT_EQ(record.contact.parts, CutContact::kDragParts);
+  EXPECT_EQ(record.contact.parts, kContactParts);
   EXPECT_TRUE(record.contact.is_crushed);
   EXPECT_EQ(session.body().offset({4, 4, 1}, 2), 3 * 65536);
 }
@@ -246,7 +247,7 @@ TEST_P(PropertySessionContact, BoneThatTurnsKeepsItsShapeAndLipsPart) {
   const StepRecord& record = session.step(turn);
   EXPECT_GT(record.contact.overlapping, 0);
   EXPECT_EQ(record.contact.left, 0);
-  EXPECT_EQ(record.contact.parts, CutContact::kDragParts);
+  EXPECT_EQ(record.contact.parts, kContactParts);
   EXPECT_EQ(overlaps(session), 0);
   EXPECT_EQ(check_links(session.body()).violated, 0);
   const Body& body = session.body();
@@ -278,10 +279,10 @@ TEST_P(PropertySessionContact, BoneUnderPressedTissueKeepsItsShape) {
     EXPECT_GT(record.contact.overlapping, 0);
     if (bone == Bone::turned) {
       // A bone that moves is not stopped. So the drag is whole, and overlap is left.
-      EXPECT_EQ(record.contact.parts, CutContact::kDragParts);
+      EXPECT_EQ(record.contact.parts, kContactParts);
       EXPECT_GT(record.contact.left, 0);
     } else {
-      EXPECT_LT(record.contact.parts, CutContact::kDragParts);
+      EXPECT_LT(record.contact.parts, kContactParts);
       EXPECT_EQ(record.contact.left, 0);
     }
     const Body& body = session.body();

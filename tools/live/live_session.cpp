@@ -192,7 +192,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   const StepRecord& record = m_session->records().back();
   m_reached = before + way_done(record, by);
   const std::int64_t moved = m_led ? m_led->moved : 0;
-  m_led = {event.to, m_reached, record.contact.parts < CutContact::kDragParts,
+  m_led = {event.to, m_reached, record.contact.parts < kContactParts,
            std::max(moved, record.report.moved)};
   m_done.back().reached_before = before;
   m_done.back().reached = m_reached;

@@ -212,7 +212,7 @@ nlohmann::ordered_json to_json(const SidesReport& report) {
           {"left_voxels", report.left_voxels},
           {"voxel", {report.voxel.x, report.voxel.y, report.voxel.z}},
           {"crushed", report.is_crushed},
-          {"part_of_drag", double(report.parts) / CutContact::kDragParts}};
+          {"part_of_drag", double(report.parts) / kContactParts}};
 }
 
 nlohmann::ordered_json to_json(const BoneStop& stop) {

@@ -1,0 +1,27 @@
+// What contact of the sides of cuts did to a step.
+#pragma once
+
+#include <cstdint>
+
+#include "volumes/base/vec.h"
+
+namespace supple {
+
+/// Drags that have no room are shortened to a multiple of this part.
+constexpr int kContactParts = 1024;
+
+struct SidesReport {
+  std::int64_t overlapping = 0;  // points of lips that were behind the other lip
+  double deepest_voxels = 0;     // of these
+  double max_move_voxels = 0;    // that took them apart
+  std::int64_t left = 0;         // points that still are too deep behind it
+  double left_voxels = 0;        // the deepest of these
+  /// Of a side at rest, where the deepest is, of those that are left if any are.
+  Vec3i voxel{0, 0, 0};
+  /// Of the drag, in 1/kContactParts, which what is held on both sides leaves room for.
+  int parts = kContactParts;
+  /// Bones have moved and left no room: what is left was pressed between them.
+  bool is_crushed = false;
+};
+
+}  // namespace supple
