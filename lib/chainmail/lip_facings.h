@@ -1,7 +1,7 @@
 // What the points of the lips of cuts face, followed from one state of the body to the next: bricks
 // of offsets are compared with what they were, and points whose elements moved, cells with such
 // points and the points over these are looked at anew. Cost: 2 us per cut link at first, later of
-// those that moved or whose other lip did; 30 ns per cut link of the others, and 1 kB.
+// those that moved or whose other lip did; of the others a comparison of the bricks that they read.
 #pragma once
 
 #include <array>

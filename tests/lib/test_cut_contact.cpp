@@ -152,6 +152,48 @@ TEST(PropertyCutContact, AThousandRandomDragsOfClosedCutsLeaveNoPointBehindTheOt
   EXPECT_LT(shortened, kDrags / 4);
 }
 
+/// Elements go anywhere, alone and in balls, and back to where they were.
+TEST(PropertyCutContact, LipsThatFollowABodyFaceWhatNewOnesFace) {
+  const Vec3d normals[] = {{0, 0, 1}, {0.5, 0.1, 0.87}, {1, 0.2, 0.2}};
+  std::int64_t facing = 0, overlapping = 0;
+  for (unsigned n = 0; n < 3; ++n) {
+    std::mt19937 random(40 + n);
+    Body body = cut_cube(normals[n]);
+    for (BrickValues& q : body.q) q.resize(body.elements.brick_count());
+    const std::array<BrickValues, 3> rest = body.q;
+    CutLips following(body, body.cuts);
+    for (int step = 0; step < cases(60); ++step) {
+      if (step % 20 == 19) body.q = rest;
+      const Vec3d centre(random() % kCube, random() % kCube, random() % kCube);
+      const double radius = step % 3 == 0 ? 0.5 : 4;
+      const std::array<std::int32_t, 3> by = random_move(random, step % 4 == 0 ? 4 : 1);
+      for_each_element(body.elements, [&](Slot slot) {
+        if ((Vec3d(voxel_of(body.elements, slot)) - centre).length() > radius) return;
+        for (std::size_t c = 0; c < 3; ++c) body.q[c].set(slot, body.q[c].at(slot) + by[c]);
+      });
+      CutLips anew(body, body.cuts);
+      const LipsBefore before = anew.points_before();
+      ASSERT_EQ(following.points_before().of, before.of) << n << " " << step;
+      for (int axis = 0; axis < 3; ++axis) {
+        const CutLips::Contacts a = following.contacts(axis, before);
+        const CutLips::Contacts b = anew.contacts(axis, before);
+        ASSERT_EQ(a.overlapping, b.overlapping) << n << " " << step;
+        ASSERT_EQ(a.deepest_voxels, b.deepest_voxels) << n << " " << step;
+        ASSERT_EQ(a.links.size(), b.links.size()) << n << " " << step;
+        for (std::size_t k = 0; k < a.links.size(); ++k) {
+          ASSERT_EQ(a.links[k].below, b.links[k].below);
+          ASSERT_EQ(a.links[k].above, b.links[k].above);
+          ASSERT_EQ(a.links[k].least, b.links[k].least);
+        }
+        facing += std::int64_t(a.links.size());
+        overlapping += a.overlapping;
+      }
+    }
+  }
+  EXPECT_GT(facing, 1000);
+  EXPECT_GT(overlapping, 100);
+}
+
 TEST(PropertyCutContact, ContactsAreProjectedAsByBruteForce) {
   int compared = 0, contradictions = 0;
   for (unsigned n = 0; n < cases(200); ++n) {
