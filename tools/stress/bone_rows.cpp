@@ -151,8 +151,9 @@ void run_bones(const StressInput& input, const std::string&, Console& console,
   console.stage("drags of the lower jaw");
   const JawReport rami = open_rami(options, 60, console);
   all.push_back({"drags that open the jaw", double(rami.opening), 60, 60});
-  all.push_back({"part of them done whole, of the jaw", part_opened(rami), 0.9, 1});
   all.push_back({"of them stopped by bone", double(rami.stopped), 0, 0});
+  // Limits of tissue stop the others: ct-head lets muscles shear by less than head_jaw.toml.
+  all.push_back({"part of them done whole, of the jaw", part_opened(rami), 0.8, 1});
 }
 
 }  // namespace supple::tools
