@@ -361,7 +361,10 @@ Fields fields(FemStep& step) {
 
 Fields load_fields(FemLoad& load) {
   if (load.kind == LoadKind::force) {
-    return {Field("force_n", load.force_n, "In all, in N along LPS; elements share it by their volume").unit("N").required()};
+    return {
+        Field("force_n", load.force_n, "In all, in N along LPS; elements share it by their volume")
+            .unit("N")
+            .required()};
   }
   Fields fields = {Field("pressure_kpa", load.pressure_kpa,
                          load.kind == LoadKind::pressure

@@ -164,7 +164,8 @@ TEST(PropertyCutContact, LipsThatFollowABodyFaceWhatNewOnesFace) {
     CutLips following(body, body.cuts);
     for (int step = 0; step < cases(60); ++step) {
       if (step % 20 == 19) body.q = rest;
-      const Vec3d centre(random() % kCube, random() % kCube, random() % kCube);
+      const auto place = [&] { return double(random() % kCube); };
+      const Vec3d centre(place(), place(), place());
       const double radius = step % 3 == 0 ? 0.5 : 4;
       const std::array<std::int32_t, 3> by = random_move(random, step % 4 == 0 ? 4 : 1);
       for_each_element(body.elements, [&](Slot slot) {

@@ -18,8 +18,8 @@ double peak_rss_mb();
 /// That of the programs which it has run, up to the present.
 double peak_rss_of_children_mb();
 
-/// The memory that the process may still take, in millions of bytes: what is free on the machine, in
-/// its control group and under `ulimit -v`.
+/// The memory that the process may still take, in millions of bytes: what is free on the machine,
+/// in its control group and under `ulimit -v`.
 double memory_left_mb();
 
 /// Processor time of all threads of the process so far.

@@ -16,8 +16,8 @@ namespace supple::tools {
 ScenePlan plan_of(const Scene& scene, const SceneRun& run, Console& console);
 
 /// Ends a run that has opened its volume and will need more memory than there is, before it solves
-/// anything. Plans only where what is open takes a hundredth of that. Throws SystemError, which says
-/// what the run needs most of it for, and what it would need without a state.
+/// anything. Plans only where what is open takes a hundredth of that. Throws SystemError, which
+/// says what the run needs most of it for, and what it would need without a state.
 void require_memory(const Scene& scene, const SceneRun& run, Console& console);
 
 /// Seconds that the steps of a scene take in the session of its volume, which has taken none of

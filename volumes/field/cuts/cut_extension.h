@@ -1,6 +1,6 @@
 // The displacement in the air around a body with cuts: from either side of a cut on its own.
-// Which voxels carry on to one of the air follows from the links alone and is kept. Cost: about 5 µs
-// per voxel of air within three voxels of a parted cell once, and 1 kB per brick of it.
+// Which voxels carry on to one of the air follows from the links alone and is kept. Cost: about 5
+// µs per voxel of air within three voxels of a parted cell once, and 1 kB per brick of it.
 #pragma once
 
 #include <array>

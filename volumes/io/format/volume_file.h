@@ -49,7 +49,7 @@ struct VolumeHeader {
   bool vectors_in_ras = false;  // x and y of the vectors point right and anterior
   LabelNames label_names;       // of a segmentation that names its labels
   std::vector<std::string> frame_names;  // of a time series that says what its frames are
-  std::string modality;         // DICOM's (0008,0060), such as "CT" and "MR"; empty: not said
+  std::string modality;  // DICOM's (0008,0060), such as "CT" and "MR"; empty: not said
   /// Warnings about a file that can be read: each a line without the file's name.
   std::vector<std::string> warnings;
 };
