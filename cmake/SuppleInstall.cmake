@@ -52,8 +52,7 @@ set_target_properties(supple supple-examples PROPERTIES
   INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
 install(TARGETS supple supple-examples RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Pages with the scenes, materials and cameras that they name, without their pictures.
-install(FILES CHANGELOG.md README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+install(FILES CHANGELOG.md README.md cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN "*.png" EXCLUDE)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 set(CPACK_PACKAGE_CONTACT "Supple developers <supple@example.org>")
@@ -102,14 +101,16 @@ set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME supple)
 set(CPACK_PACKAGE_VENDOR "Supple")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Supple drags, cuts and relaxes the voxels of a scan themselves, by Enhanced ChainMail,
-relaxation, springs and finite elements, and shows them deformed without resampling.
-Deformations go to ITK, elastix, 3D Slicer and ANTs as offset fields.")
+set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Supple drags, cuts and relaxes the voxels of a scan themselves,
+by Enhanced ChainMail, relaxation, springs and finite elements, and
+shows them deformed without resampling. Deformations go to ITK,
+elastix, 3D Slicer and ANTs as offset fields.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/triggers)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libimath-dev, ffmpeg")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

@@ -222,8 +222,9 @@ void CutExtension::fill(VectorBricks& u, const BrickList& bricks) const {
   }
 }
 
-MovedBricks CutExtension::follow(VectorBricks& u, const VectorBricks& plain, const CutBody& body,
-                                 const CutBody::Changes& changes, const BrickList& given) {
+DisplacedBricks CutExtension::follow(VectorBricks& u, const VectorBricks& plain,
+                                     const CutBody& body, const CutBody::Changes& changes,
+                                     const BrickList& given) {
   const BrickList changed = find_beside(body, changes.parted);
   plan(body, filled_beside(unite(changes.links, changed), changed));
   const BrickList bricks = filled_beside(unite(unite(given, changes.links), changed), changed);

@@ -20,8 +20,8 @@ class CutExtension {
   /// Follows a body whose links and parted cells have changed, and displacements that have changed
   /// in the `given` bricks: `plain` is extended as if nothing were cut, and has the bricks of `u`,
   /// which is left as extended beside cuts. Returns where u has changed.
-  MovedBricks follow(VectorBricks& u, const VectorBricks& plain, const CutBody& body,
-                     const CutBody::Changes& changes, const BrickList& given);
+  DisplacedBricks follow(VectorBricks& u, const VectorBricks& plain, const CutBody& body,
+                         const CutBody::Changes& changes, const BrickList& given);
   /// Bricks that the last follow() has filled.
   std::int64_t filled() const { return m_filled; }
 

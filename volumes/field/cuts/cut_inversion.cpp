@@ -95,7 +95,7 @@ void CutInversion::follow(const VectorBricks& u, const TornCells& torn, const Cu
 }
 
 /// Corners of the cells of a brick lie in it and in its upper neighbours.
-void CutInversion::follow_moves(const VectorBricks& u, const MovedBricks& changed) {
+void CutInversion::follow_moves(const VectorBricks& u, const DisplacedBricks& changed) {
   tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
     const auto b = std::size_t(changed[n].number);
     CutBox move;

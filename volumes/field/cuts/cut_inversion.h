@@ -59,7 +59,7 @@ class CutInversion {
   /// Where something is other than before, in bricks of cells. Nothing is known of a displacement
   /// before the first time only.
   struct Changes {
-    const MovedBricks& u;
+    const DisplacedBricks& u;
     BrickList torn, faces;
   };
   void follow(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
@@ -109,13 +109,13 @@ class CutInversion {
 
   Source* source(std::size_t b) const { return m_sources[b].get(); }
   Source& touch(std::size_t b);
-  void follow_moves(const VectorBricks& u, const MovedBricks& changed);
+  void follow_moves(const VectorBricks& u, const DisplacedBricks& changed);
   void make_sides(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
                   const BrickList& torn_changed, const BrickList& faces_changed);
   BrickList find_corners(const TornCells& torn, const BrickList& changed);
   void replace_whole(const BrickList& bricks);
   void find_near(const VectorBricks& u, const TornCells& torn, const BrickList& bricks);
-  void reach_moved(const VectorBricks& u, const MovedBricks& moved, const BrickList& beside,
+  void reach_moved(const VectorBricks& u, const DisplacedBricks& moved, const BrickList& beside,
                    const std::vector<IndexBox>& reach_before);
   void reach_sides(const VectorBricks& u, const std::vector<CutPiece>& before,
                    const std::vector<CutPiece>& now);

@@ -24,7 +24,7 @@ struct CutFollower {
         inversion(cells, elements, geometry.dims()) {}
 
   /// Follows u on `cells` where it has moved; `body_changed`: where the body has, besides.
-  void follow(const VectorBricks& u, const CutBody& body, const MovedBricks& moved,
+  void follow(const VectorBricks& u, const CutBody& body, const DisplacedBricks& moved,
               const BrickList& body_changed) {
     const BrickList torn_changed =
         torn.follow(u, body, numbers_of(moved), body_changed, kClosedCut);
@@ -141,7 +141,8 @@ std::vector<Vec3i> IncrementalCutInversion::Impl::follow_cuts(const Displacement
   if (std::exchange(has_other_cuts, false)) cut->body.set_cuts(cuts);
   VectorBricks& u = cut->extended.u;
   const CutBody::Changes changes = cut->body.follow(displacement.u, given);
-  const MovedBricks moved = cut->extension.follow(u, displacement.u, cut->body, changes, changed);
+  const DisplacedBricks moved =
+      cut->extension.follow(u, displacement.u, cut->body, changes, changed);
   CutFollower& follower = cut->follower;
   follower.follow(u, cut->body, is_new ? all_moved(u.topology) : moved,
                   unite(changes.links, changes.parted));

@@ -7,8 +7,8 @@
 
 namespace supple {
 
-MovedBricks all_moved(const BrickTopology& topology) {
-  MovedBricks moved(topology.brick_count());
+DisplacedBricks all_moved(const BrickTopology& topology) {
+  DisplacedBricks moved(topology.brick_count());
   for (std::size_t b = 0; b < moved.size(); ++b) {
     moved[b].number = std::int32_t(b);
     moved[b].voxels = topology.mask(b);
@@ -16,16 +16,16 @@ MovedBricks all_moved(const BrickTopology& topology) {
   return moved;
 }
 
-BrickList numbers_of(const MovedBricks& moved) {
+BrickList numbers_of(const DisplacedBricks& moved) {
   BrickList numbers;
-  for (const MovedBrick& brick : moved) numbers.push_back(brick.number);
+  for (const DisplacedBrick& brick : moved) numbers.push_back(brick.number);
   return numbers;
 }
 
-const MovedBrick* find_moved(const MovedBricks& moved, std::int32_t number) {
-  const auto found =
-      std::lower_bound(moved.begin(), moved.end(), number,
-                       [](const MovedBrick& brick, std::int32_t b) { return brick.number < b; });
+const DisplacedBrick* find_moved(const DisplacedBricks& moved, std::int32_t number) {
+  const auto found = std::lower_bound(
+      moved.begin(), moved.end(), number,
+      [](const DisplacedBrick& brick, std::int32_t b) { return brick.number < b; });
   return found != moved.end() && found->number == number ? &*found : nullptr;
 }
 
@@ -37,7 +37,7 @@ KeptVectors::KeptVectors(const VectorBricks& u, const BrickList& bricks) : m_kep
   });
 }
 
-MovedBricks KeptVectors::moved(const VectorBricks& u) {
+DisplacedBricks KeptVectors::moved(const VectorBricks& u) {
   tbb::parallel_for(std::size_t(0), m_kept.size(), [&](std::size_t n) {
     const Vec3f* const now = u.vectors.brick_or_zero(std::size_t(m_kept[n].number));
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
@@ -49,7 +49,7 @@ MovedBricks KeptVectors::moved(const VectorBricks& u) {
   });
   m_kept.erase(
       std::remove_if(m_kept.begin(), m_kept.end(),
-                     [](const MovedBrick& brick) { return mask_count(brick.voxels) == 0; }),
+                     [](const DisplacedBrick& brick) { return mask_count(brick.voxels) == 0; }),
       m_kept.end());
   return std::move(m_kept);
 }

@@ -8,30 +8,30 @@
 
 namespace supple {
 
-struct MovedBrick {
+struct DisplacedBrick {
   std::int32_t number;
   BrickMask voxels{};         // those that differ
   std::vector<Vec3f> before;  // of all voxels of the brick; empty: nothing is known of before
 };
 
 /// Ascending.
-using MovedBricks = std::vector<MovedBrick>;
+using DisplacedBricks = std::vector<DisplacedBrick>;
 
 /// Everything, of which nothing is known before.
-MovedBricks all_moved(const BrickTopology& topology);
-BrickList numbers_of(const MovedBricks& moved);
+DisplacedBricks all_moved(const BrickTopology& topology);
+BrickList numbers_of(const DisplacedBricks& moved);
 /// That of the brick with this number, or null.
-const MovedBrick* find_moved(const MovedBricks& moved, std::int32_t number);
+const DisplacedBrick* find_moved(const DisplacedBricks& moved, std::int32_t number);
 
 /// Copies of bricks of a field, to tell what has moved since.
 class KeptVectors {
  public:
   KeptVectors(const VectorBricks& u, const BrickList& bricks);
   /// The bricks of which a vector has other bits now. May be called once.
-  MovedBricks moved(const VectorBricks& u);
+  DisplacedBricks moved(const VectorBricks& u);
 
  private:
-  MovedBricks m_kept;
+  DisplacedBricks m_kept;
 };
 
 }  // namespace supple

@@ -59,7 +59,7 @@ std::size_t end_of_cell(const std::vector<CutPiece>& pieces, std::size_t first) 
 
 /// Of the cells that begin in bricks `beside` those that moved: of both what they reach and what
 /// they have reached.
-void CutInversion::reach_moved(const VectorBricks& u, const MovedBricks& moved,
+void CutInversion::reach_moved(const VectorBricks& u, const DisplacedBricks& moved,
                                const BrickList& beside, const std::vector<IndexBox>& reach_before) {
   if (m_split.empty()) return;
   std::vector<std::vector<Vec3i>> reached(beside.size());
@@ -75,7 +75,7 @@ void CutInversion::reach_moved(const VectorBricks& u, const MovedBricks& moved,
     for (int k = 0; k < kCellCorners; ++k) {
       const std::int32_t above = m_cells.find(m_cells.origin(b) + cell_corner(k) * kBrickDim);
       if (above < 0) continue;
-      const MovedBrick* const brick = find_moved(moved, above);
+      const DisplacedBrick* const brick = find_moved(moved, above);
       now[std::size_t(k)] = before[std::size_t(k)] = u.vectors.brick_or_zero(std::size_t(above));
       if (brick == nullptr) continue;
       before[std::size_t(k)] = brick->before.data();
