@@ -189,11 +189,10 @@ std::vector<int> LipFacings::move_points(int side_number, const std::vector<int>
     if (!is_new && now[n] == side.points[lip]) continue;
     is_stale[lip] = 1;
     others.push_back(lips[n]);
-    const Vec3i square = square_of(lip, now[n]), before = square_of(lip, side.points[lip]);
-    if (is_new || !(square == before)) {
-      if (!is_new) erase_from(side.squares[before].points, lips[n]);
-      insert_into(side.squares[square].points, lips[n]);
-    }
+    const Vec3i square = square_of(lip, now[n]);
+    const Vec3i before = is_new ? square : square_of(lip, side.points[lip]);
+    if (!(square == before)) erase_from(side.squares[before].points, lips[n]);
+    if (is_new || !(square == before)) insert_into(side.squares[square].points, lips[n]);
     side.points[lip] = now[n];
   }
   return others;
