@@ -56,7 +56,7 @@ def main():
                             "--by", "2,1,1", "--quiet", "-o", "state.vdb"], [0],
                   outputs=["state.vdb"], max_peak_mb=2000)
     start = least_limit()
-    codes = []
+    codes, planned = [], 0
     for command, outputs in commands():
         done_under = None
         for above in ABOVE_START:
@@ -64,6 +64,7 @@ def main():
                                     [*command, "--quiet"], [0, SYSTEM], ["memory"], outputs,
                                     address_space=(start + above) * MEGABYTE, max_peak_mb=2000)
             codes.append(outcome.code)
+            planned += "the run needs" in outcome.err
             if outcome.code == 0:
                 done_under = done_under or start + above
             elif done_under and outcome.code == SYSTEM:
@@ -75,6 +76,8 @@ def main():
     print("starts under %d MB; %d done, %d refused" % (start, codes.count(0), codes.count(SYSTEM)))
     if SYSTEM not in codes or 0 not in codes:
         policy.fail("limits", "they refuse all or none")
+    if planned == 0:
+        policy.fail("plans", "no run was refused by what it will need")
     policy.finish()
 
 
