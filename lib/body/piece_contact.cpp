@@ -297,7 +297,7 @@ const PieceShape& PieceContact::shape(const Body& body, std::size_t piece) {
   return *shape;
 }
 
-/// Those of pieces that move against each other and may meet.
+/// The pairs of pieces that move against each other and may meet.
 std::vector<PieceContact::Pair> PieceContact::pairs(const Body& body, const PieceWay& way) {
   const std::size_t count = body.rigid.list.size();
   std::vector<std::pair<RigidPose, RigidPose>> ends;

@@ -16,12 +16,12 @@ namespace supple {
 
 class OverlapJudge {
  public:
-  /// Of the pieces where they are now.
+  /// Judges the pieces where they are now.
   explicit OverlapJudge(const Body& body);
 
   /// The deepest overlap of voxels of two pieces, in voxels; 0 where none overlap.
   double deepest() const;
-  /// That of pieces (in Body::rigid) in the others, on a way that all of them go as one and the
+  /// The deepest of pieces (in Body::rigid) in the others, on a way that all of them go and the
   /// others do not: at `samples` equal parts of it, up to the first that is deeper than `enough`.
   double deepest_on_way(const std::vector<std::size_t>& moved, const RigidMotion& way, int samples,
                         double enough = 1) const;
@@ -40,7 +40,7 @@ class OverlapJudge {
   std::vector<Bone> m_bones;
 };
 
-/// As OverlapJudge::deepest().
+/// The result of OverlapJudge::deepest() for a body as it is.
 double deepest_overlap(const Body& body);
 
 }  // namespace supple

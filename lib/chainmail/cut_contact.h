@@ -55,7 +55,7 @@ class CutContact {
   /// their limits. Where these leave no room some overlap is `left`.
   SidesReport part(const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
 
-  /// What overlaps now, all of it `left`.
+  /// The overlap of now, all of it `left`.
   SidesReport found() const;
 
  private:

@@ -106,7 +106,7 @@ Vec3d LipFacings::displacement(Slot slot) const {
   return Vec3d(m_body.q[0].at(slot), m_body.q[1].at(slot), m_body.q[2].at(slot)) / kFixedOne;
 }
 
-/// Where a lip ends now.
+/// The place at which a lip ends now.
 Vec3d LipFacings::point(int side_number, std::size_t n) const {
   const Side& side = m_sides[std::size_t(side_number)];
   const LipSheets::Lip& lip = m_sheets.lips[n];

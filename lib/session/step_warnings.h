@@ -18,7 +18,7 @@ void warn_of_moved_pieces(const Body& body, const std::vector<RigidPiece>& befor
 void warn_of_report(const EcmReport& report, Progress* progress);
 void warn_of_stop(const BoneStop& stop, const EcmReport& report, Progress* progress);
 void warn_of_report(const SidesReport& report, Progress* progress);
-/// Of finite elements, which know no contact.
+/// The warnings after finite elements, which know no contact.
 void warn_of_sides(const SidesReport& report, Progress* progress);
 /// Free pieces that were kept out of others, and those that could not be.
 void warn_of_meetings(const std::vector<BoneMeeting>& meetings, Progress* progress);

@@ -20,7 +20,7 @@ using DisplacedBricks = std::vector<DisplacedBrick>;
 /// Everything, of which nothing is known before.
 DisplacedBricks all_moved(const BrickTopology& topology);
 BrickList numbers_of(const DisplacedBricks& moved);
-/// That of the brick with this number, or null.
+/// The entry of the brick with this number, or null.
 const DisplacedBrick* find_moved(const DisplacedBricks& moved, std::int32_t number);
 
 /// Copies of bricks of a field, to tell what has moved since.

@@ -116,14 +116,11 @@ VectorRange DisplacementRanges::range(const BrickTopology& bricks, std::int32_t 
 /// How far the displacements of a brick may be exceeded where its cells go on beyond the border of
 /// the volume, by half their length along each axis of it.
 Vec3f DisplacementRanges::beyond_border(const Vec3i& origin, const VectorRange& moves) const {
-  float part = 0.5f;
-  bool is_at_border = false;
+  float part = 0.5f;  // 2^m / 2 along m axes: a trilinear cell has 2^m times its range there
   for (int a = 0; a < 3; ++a) {
-    if (!is_at_lower_border(origin, a) && !is_at_upper_border(origin, a)) continue;
-    part *= 2;
-    is_at_border = true;
+    if (is_at_lower_border(origin, a) || is_at_upper_border(origin, a)) part *= 2;
   }
-  return is_at_border ? (moves.hi - moves.lo) * (part - 0.5f) : Vec3f(0);
+  return (moves.hi - moves.lo) * (part - 0.5f);
 }
 
 bool DisplacementRanges::is_at_lower_border(const Vec3i& origin, int axis) const {
