@@ -213,8 +213,8 @@ TEST(PropertyIncrementalCutInversion, SmallMovesBesideGapingCutsLeaveTheBitsOfAn
       if (step % 10 == 9) displacement.u = at_first;
       const Vec3d centre(at + uniform(-6, 6), uniform(0, 18), uniform(0, 17));
       const double radius = step % 3 == 0 ? 0.9 : uniform(1, 3);
-      const double sizes[] = {0.003, 0.03, 0.2, 0.6};
-      const Vec3f by = random_vector(random, float(sizes[random() % 4]));
+      const double sizes[] = {0.003, 0.03, 0.2, 0.6, 9};  // 9: out of the bricks that it reached
+      const Vec3f by = random_vector(random, float(sizes[random() % 5]));
       const bool is_one_sided = random() % 2 == 0;
       for (std::size_t b = 0; b < elements.brick_count(); ++b) {
         for_each_active(elements.mask(b), [&](int offset) {
