@@ -1,6 +1,7 @@
 // Cut bodies that move a little at a time, against an inversion anew.
 #include <gtest/gtest.h>
 
+#include "tests/support/sanitized.h"
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/field/cuts/cut_offsets.h"
@@ -174,7 +175,7 @@ TEST(PropertyIncrementalCutInversion, AfterEveryCutDragUndoAndRedoItHasTheBitsOf
 /// Moves of single voxels and of small balls beside cuts that gape, across the borders of bricks,
 /// at the surface as well as within: each is seen in few bricks, and by little.
 TEST(PropertyIncrementalCutInversion, SmallMovesBesideGapingCutsLeaveTheBitsOfAnInversionAnew) {
-  constexpr int kBodies = 4, kSteps = 40;
+  constexpr int kBodies = kSanitized ? 1 : 4, kSteps = kSanitized ? 20 : 40;
   const BrickTopology elements = box_topology({0, 0, 0}, {25, 17, 16});
   const BrickTopology shell = dilate(elements, 2);
   for (int n = 0; n < kBodies; ++n) {
