@@ -17,6 +17,9 @@ std::size_t Body::bytes() const {
   for (std::size_t c = 0; c < 3; ++c) {
     total += q[c].bytes() + fraction[c].bytes() + velocity_mm_s[c].bytes();
   }
+  if (beyond) {
+    for (const BrickValues& coordinate : *beyond) total += coordinate.bytes();
+  }
   for (const auto& axis : rest) {
     for (const BrickValues& coordinate : axis) total += coordinate.bytes();
   }
@@ -60,6 +63,7 @@ Body make_body(const State& state, const MaterialTable& material) {
   body.cuts = state.cuts;
   body.rest = state.rest;
   body.velocity_mm_s = state.velocity_mm_s;
+  body.beyond = state.beyond;
   for (const BrickValues& coordinate : body.q) body.links_known_valid &= coordinate.empty();
   return body;
 }

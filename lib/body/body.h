@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "lib/body/rigid_pieces.h"
@@ -32,6 +33,9 @@ struct Body {
   /// True while all links are known to hold, so that a drag need not check them. Code that writes q
   /// other than through a model that keeps links valid sets it to false.
   bool links_known_valid = false;
+  /// How far each offset is beyond an admissible one (beyond_limits.h): the links that are known to
+  /// hold are those of q less this, and ECM keeps the rest. Null: ECM projects an invalid q.
+  BeyondLimits beyond;
 
   /// Offset of coordinate c of a voxel that is an element; 0 for a coordinate that never moved.
   std::int32_t offset(const Vec3i& voxel, int c) const;

@@ -5,17 +5,22 @@
 namespace supple {
 
 KeptOffsets::KeptOffsets(const Body& body)
-    : m_q(body.q), m_fraction(body.fraction), m_links_known_valid(body.links_known_valid) {}
+    : m_q(body.q),
+      m_fraction(body.fraction),
+      m_links_known_valid(body.links_known_valid),
+      m_beyond(body.beyond) {}
 
 void KeptOffsets::restore(Body& body) const {
   body.q = m_q;
   body.fraction = m_fraction;
   body.links_known_valid = m_links_known_valid;
+  body.beyond = m_beyond;
 }
 
 void KeptOffsets::restore_part(const KeptOffsets& start, std::int64_t parts, Body& body) const {
   restore(body);
-  body.links_known_valid = m_links_known_valid && start.m_links_known_valid;
+  body.links_known_valid =
+      m_links_known_valid && start.m_links_known_valid && m_beyond == start.m_beyond;
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t b = 0; b < m_q[c].brick_count(); ++b) {
       if (m_q[c].brick(b) == nullptr && start.m_q[c].brick(b) == nullptr) continue;

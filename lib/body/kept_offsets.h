@@ -25,6 +25,7 @@ class KeptOffsets {
   std::array<BrickValues, 3> m_q;
   decltype(Body::fraction) m_fraction;
   bool m_links_known_valid;
+  BeyondLimits m_beyond;
 };
 
 /// Moves bounds that the body does not keep to where it is.

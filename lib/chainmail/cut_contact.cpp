@@ -13,12 +13,12 @@ namespace {
 constexpr int kMostRounds = 40;
 
 /// Of attempt(parts, is_first) the first, which is all of it, or that of the largest part that a
-/// bisection finds to leave no overlap, as long as `may_go_on()`.
+/// bisection finds to leave no more overlap than there was, as long as `may_go_on()`.
 template <class Attempt, class MayGoOn>
 SidesReport largest_part(Attempt&& attempt, MayGoOn&& may_go_on) {
   constexpr int kAll = CutContact::kDragParts;
   SidesReport report = attempt(kAll, true);
-  if (report.left == 0 || !may_go_on()) return report;
+  if (report.deepened == 0 || !may_go_on()) return report;
   int done = 0, stopped = kAll, tried = kAll;
   const auto attempt_again = [&](int parts) {
     report = attempt(parts, false);
@@ -26,7 +26,7 @@ SidesReport largest_part(Attempt&& attempt, MayGoOn&& may_go_on) {
   };
   while (stopped - done > 1 && may_go_on()) {
     attempt_again((done + stopped) / 2);
-    (report.left == 0 ? done : stopped) = tried;
+    (report.deepened == 0 ? done : stopped) = tried;
   }
   if (tried != done) attempt_again(done);
   return report;
@@ -105,6 +105,7 @@ double CutContact::part_across(int c, ContactProjection& projection) const {
 void CutContact::count(int c, const CutLips::Contacts& contacts, SidesReport& report) const {
   report.overlapping += contacts.overlapping;
   report.left += contacts.too_deep;
+  report.deepened += contacts.deepened;
   if (contacts.overlapping == 0 || contacts.deepest_voxels <= report.deepest_voxels) return;
   report.deepest_voxels = contacts.deepest_voxels;
   const BrickValues& q = m_body.q[std::size_t(c)];
@@ -149,6 +150,7 @@ SidesReport CutContact::part(const SlotSet& fixed, const Holds& held, Progress* 
       report.voxel = now.voxel;
     }
     report.left = now.left;
+    report.deepened = now.deepened;
     report.left_voxels = now.left > 0 ? now.deepest_voxels : 0;
     if (now.left > 0) report.voxel = now.voxel;
     if (now.overlapping == 0 || !has_moved) break;

@@ -38,8 +38,9 @@ class CutContact {
   bool empty() const { return m_lips->empty(); }
 
   /// Calls move(n), which drags by n / kDragParts of the whole, and takes lips apart: for the whole
-  /// drag, or for the largest n that a bisection finds to leave room for both lips. `fixed` and
-  /// what `holds` holds after the move stay. Throws what move() throws.
+  /// drag, or for the largest n that a bisection finds to leave room for both lips: none lies
+  /// deeper in the other one than before. `fixed` and what `holds` holds after the move stay.
+  /// Throws what move() throws.
   SidesReport drag(const SlotSet& fixed, Holds& holds, const std::function<void(int)>& move,
                    Progress* progress = nullptr);
 

@@ -182,10 +182,13 @@ LipFacings& CutLips::facings(int axis) {
 LipsBefore CutLips::points_before() {
   LipsBefore before;
   for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t count = m_sheets[std::size_t(axis)].lips.size();
     auto& sides = before.of[std::size_t(axis)];
-    for (auto& side : sides) side.assign(m_sheets[std::size_t(axis)].lips.size(), 0);
+    sides.fill({std::vector<char>(count, 0), std::vector<float>(count, LipsBefore::kBeside)});
     facings(axis).for_each([&](int side, std::size_t n, const LipFacings::Facing& facing) {
-      if (facing.gap > -1) sides[std::size_t(side)][n] = 1;
+      LipsBefore::Side& of = sides[std::size_t(side)];
+      if (facing.gap > -1) of.is_before[n] = 1;
+      of.least_gap[n] = std::min(of.least_gap[n], float(facing.gap));
     });
   }
   return before;
@@ -196,12 +199,16 @@ CutLips::Contacts CutLips::contacts(int axis, const LipsBefore& before, double p
   const LipSheets& sheets = m_sheets[std::size_t(axis)];
   facings(axis).for_each([&](int side, std::size_t n, const LipFacings::Facing& facing) {
     if (facing.gap > kNear) return;
-    const bool was_before = before.of[std::size_t(axis)][std::size_t(side)][n] != 0;
+    const LipsBefore::Side& then = before.of[std::size_t(axis)][std::size_t(side)];
+    const bool was_before = then.is_before[n] != 0, was_deep = then.least_gap[n] < -kLipOverlap;
     if (facing.gap < -kDeep && !was_before) return;
-    const double wanted = facing.slid > kSlid ? kApart : 0;
+    const double room = facing.slid > kSlid ? kApart : 0;
+    const double wanted = m_body.beyond ? std::min(room, double(then.least_gap[n])) : room;
     if (facing.gap < wanted - kApart / 2) {
       ++contacts.overlapping;
-      contacts.too_deep += facing.gap < -kLipOverlap;
+      const bool is_deep = facing.gap < -kLipOverlap;
+      contacts.too_deep += is_deep;
+      contacts.deepened += is_deep && !(was_deep && facing.gap > then.least_gap[n] - kApart / 2);
       contacts.deepest_voxels = std::max(contacts.deepest_voxels, wanted - facing.gap);
     }
     const double way = wanted - facing.gap;

@@ -31,9 +31,18 @@ namespace supple {
 /// stop nothing.
 constexpr double kLipOverlap = 0.1;
 
-/// The points of both lips across each axis that lie before the other lip, or beside it.
+/// Where the points of both lips across each axis lay.
 struct LipsBefore {
-  std::array<std::array<std::vector<char>, 2>, 3> of;
+  static constexpr float kBeside = 1e9F;
+  struct Side {
+    std::vector<char> is_before;   // the other lip, or beside it
+    std::vector<float> least_gap;  // voxels, negative behind the other lip; kBeside without one
+
+    bool operator==(const Side& other) const {
+      return is_before == other.is_before && least_gap == other.least_gap;
+    }
+  };
+  std::array<std::array<Side, 2>, 3> of;
 };
 
 /// Follows the body from one question to the next, so only one thread at a time may ask.
@@ -51,11 +60,13 @@ class CutLips {
     std::vector<ContactLink> links;
     std::int64_t overlapping = 0;  // points that lie behind the other lip
     std::int64_t too_deep = 0;     // of these, by more than kLipOverlap
+    std::int64_t deepened = 0;     // of these, deeper than they were `before`
     double deepest_voxels = 0;
   };
   /// Contacts across one axis in the present state. Points more than two voxels behind a lip count
-  /// where they lay `before` it: others came round the end of the cut.
-  /// `part`: of the way out that overlapping points are to go.
+  /// where they lay `before` it: others came round the end of the cut. With Body::beyond, those
+  /// that lay too deep stay where they are. `part`: of the way out that overlapping points are to
+  /// go.
   Contacts contacts(int axis, const LipsBefore& before, double part = 1);
 
  private:

@@ -10,6 +10,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include "lib/body/beyond_limits.h"
 #include "lib/chainmail/coordinate_drag.h"
 #include "lib/chainmail/held_voxels.h"
 #include "lib/chainmail/piece_bounds.h"
@@ -43,6 +44,34 @@ class OffsetsGuard {
   std::array<BrickValues, 3> m_before;
   std::array<BrickArray<std::int16_t>, 3> m_fractions;
 };
+
+/// The body at its admissible offsets, with its bounds.
+class AdmissibleDrag {
+ public:
+  AdmissibleDrag(Body& body, Holds& holds) : m_body(body), m_holds(holds), m_offsets(body) {
+    to_admissible(body, holds);
+  }
+  ~AdmissibleDrag() { from_admissible(m_body, m_holds); }
+  AdmissibleDrag(const AdmissibleDrag&) = delete;
+  AdmissibleDrag& operator=(const AdmissibleDrag&) = delete;
+
+ private:
+  Body& m_body;
+  Holds& m_holds;
+  AdmissibleOffsets m_offsets;
+};
+
+void from_admissible(const Body& body, std::vector<std::vector<ElementBounds>>& bounds) {
+  for (std::vector<ElementBounds>& of_piece : bounds) {
+    for (ElementBounds& bound : of_piece) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const std::int32_t beyond = beyond_at(body, int(c), bound.slot);
+        if (bound.least[c] != -ElementBounds::kNone) bound.least[c] += beyond;
+        if (bound.most[c] != ElementBounds::kNone) bound.most[c] += beyond;
+      }
+    }
+  }
+}
 
 using CoordinateDrags = std::vector<std::unique_ptr<CoordinateDrag>>;
 
@@ -225,14 +254,21 @@ std::vector<std::vector<ElementBounds>> EcmSolver::bounds_of(
     const std::vector<const RigidPiece*>& pieces, const std::vector<Handle>& handles,
     const std::vector<Region>& anchors, const Holds& holds, std::int32_t reach_q,
     LastingBounds& lasting, Progress* progress) {
-  if (lasting.reach_q < reach_q) {
-    const auto end = handles.begin() + std::ptrdiff_t(lasting.handle_count);
-    const std::vector<Handle> first(handles.begin(), end);
-    find_lasting_bounds(m_body, hold(m_body, first, fixed(anchors), holds), reach_q, lasting,
-                        m_propagator, progress);
+  Holds own = holds;
+  std::vector<std::vector<ElementBounds>> bounds;
+  {
+    const AdmissibleDrag admissible(m_body, own);
+    if (lasting.reach_q < reach_q) {
+      const auto end = handles.begin() + std::ptrdiff_t(lasting.handle_count);
+      const std::vector<Handle> first(handles.begin(), end);
+      find_lasting_bounds(m_body, hold(m_body, first, fixed(anchors), own), reach_q, lasting,
+                          m_propagator, progress);
+    }
+    const HeldVoxels held = hold(m_body, handles, fixed(anchors), own);
+    bounds = bounds_of_pieces(m_body, pieces, held, reach_q, lasting, m_propagator, progress);
   }
-  const HeldVoxels held = hold(m_body, handles, fixed(anchors), holds);
-  return bounds_of_pieces(m_body, pieces, held, reach_q, lasting, m_propagator, progress);
+  if (m_body.beyond) from_admissible(m_body, bounds);
+  return bounds;
 }
 
 FreePieces EcmSolver::free_pieces(const HeldVoxels& held) const {
@@ -254,8 +290,12 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
   const auto begin = std::chrono::steady_clock::now();
   EcmReport result;
   result.engine = engine();
-  if (!m_body.links_known_valid) m_body.links_known_valid = check_links(m_body).violated == 0;
   fixed(anchors);
+  if (!m_body.links_known_valid) {
+    const AdmissibleOffsets admissible(m_body);
+    m_body.links_known_valid = check_links(m_body).violated == 0;
+  }
+  if (!m_body.links_known_valid && m_body.beyond) keep_beyond(m_body, m_fixed->slots, holds);
   OffsetsGuard guard(m_body);
   if (!m_body.links_known_valid) {
     const ProjectionReport projection = project(m_body, m_fixed->slots, holds);
@@ -263,6 +303,7 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
     result.projected_max_voxels = projection.max_move_voxels;
     result.projected_held = projection.held_moved;
   }
+  const AdmissibleDrag admissible(m_body, holds);
   HeldVoxels held = hold(m_body, handles, *m_fixed, holds);
   const FreePieces pieces = free_pieces(held);
   Fraction fraction;

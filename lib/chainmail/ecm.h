@@ -87,7 +87,8 @@ struct EcmReport {
 /// only shift, all elements by the same; those that are must have targets that keep them rigid.
 /// Anchors shorten the whole drag by one fraction; handles must agree with each other for the whole
 /// drag, whatever the anchors allow. A start that is not known to be valid
-/// (Body::links_known_valid) is checked and, when invalid, projected first, to floor((L + U) / 2).
+/// (Body::links_known_valid) is checked and, when invalid, projected first, to floor((L + U) / 2);
+/// with Body::beyond, what is beyond limits moves as it is (beyond_limits.h).
 /// Throws InputError: a handle or anchor without element (names the nearest one), a voxel in two
 /// handles or in a handle and an anchor, handles that contradict each other (names the pair and the
 /// missing distance in mm), an offset beyond the range. The body is unchanged then, also when
@@ -181,5 +182,9 @@ struct ProjectionReport {
   std::int64_t held_moved = 0;
 };
 ProjectionReport project(Body& body, const SlotSet& fixed = {}, const Holds& held = {});
+
+/// Gives the body its Body::beyond: q less the offsets that project() would make of it. Nothing
+/// moves; the links of the admissible offsets are known to hold.
+void keep_beyond(Body& body, const SlotSet& fixed, const Holds& held);
 
 }  // namespace supple

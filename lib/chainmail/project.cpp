@@ -11,8 +11,10 @@
 // met at all, A <= B, and U_a <= q_a <= L_a makes both q_a where l_a = u_a = q_a.
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
 #include <unordered_set>
 
+#include "lib/body/beyond_limits.h"
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/projection.h"
 
@@ -148,7 +150,9 @@ ContactProjection::ContactProjection(Body& body, const SlotSet& anchored, const 
       m_anchored(anchored),
       m_held(held),
       m_progress(progress),
-      m_propagator(body, engine) {}
+      m_propagator(body, engine) {
+  to_admissible(body, m_held);
+}
 
 /// What may not rise (raise) or sink (lower) any further in a brick, and how far it may.
 template <class Visit>
@@ -246,10 +250,14 @@ std::int64_t ContactProjection::commit(int c) {
   return largest;
 }
 
-std::optional<std::int64_t> ContactProjection::meet(int c,
-                                                    const std::vector<ContactLink>& contacts) {
+std::optional<std::int64_t> ContactProjection::meet(int c, const std::vector<ContactLink>& given) {
   BrickValues& q = m_body.q[std::size_t(c)];
   q.resize(m_body.elements.brick_count());
+  const AdmissibleOffsets admissible(m_body, c);
+  std::vector<ContactLink> contacts = given;
+  for (ContactLink& contact : contacts) {
+    contact.least -= beyond_at(m_body, c, contact.above) - beyond_at(m_body, c, contact.below);
+  }
   try {
     if (reach(c, contacts, Direction::raise)) {
       const std::vector<std::size_t> bricks = m_undo.bricks();
@@ -306,7 +314,29 @@ ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
     }
   }
   body.links_known_valid = true;
+  body.beyond.reset();
   return report;
+}
+
+void keep_beyond(Body& body, const SlotSet& fixed, const Holds& held) {
+  std::array<BrickValues, 3> q = body.q;
+  decltype(Body::fraction) fraction = body.fraction;
+  project(body, fixed, held);
+  const auto beyond = std::make_shared<std::array<BrickValues, 3>>();
+  for (std::size_t c = 0; c < 3; ++c) {
+    BrickValues& values = (*beyond)[c];
+    values.resize(body.elements.brick_count());
+    for (std::size_t b = 0; b < values.brick_count(); ++b) {
+      const std::int32_t* const now = q[c].brick_or_zero(b);
+      const std::int32_t* const admissible = body.q[c].brick_or_zero(b);
+      if (std::equal(now, now + kBrickVoxels, admissible)) continue;
+      std::int32_t* const own = values.touch(b);
+      for (int n = 0; n < kBrickVoxels; ++n) own[n] = now[n] - admissible[n];
+    }
+  }
+  body.q.swap(q);
+  body.fraction.swap(fraction);
+  body.beyond = beyond;
 }
 
 }  // namespace supple

@@ -55,7 +55,7 @@ class ContactProjection {
 
   Body& m_body;
   const SlotSet& m_anchored;
-  const Holds& m_held;
+  Holds m_held;  // of the admissible offsets
   Progress* m_progress;
   Propagator m_propagator;
   UndoLog m_undo;

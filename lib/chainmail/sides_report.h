@@ -12,10 +12,11 @@ constexpr int kContactParts = 1024;
 
 struct SidesReport {
   std::int64_t overlapping = 0;  // points of lips that were behind the other lip
-  double deepest_voxels = 0;     // of these
+  double deepest_voxels = 0;     // of those that overlapped
   double max_move_voxels = 0;    // that took them apart
   std::int64_t left = 0;         // points that still are too deep behind it
-  double left_voxels = 0;        // the deepest of these
+  std::int64_t deepened = 0;     // of these, deeper than before the move
+  double left_voxels = 0;        // the deepest of those that are left
   /// Of a side at rest, where the deepest is, of those that are left if any are.
   Vec3i voxel{0, 0, 0};
   /// Of the drag, in 1/kContactParts, which what is held on both sides leaves room for.

@@ -219,7 +219,7 @@ TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds&
   TightenReport result;
   SlotSet anchored = held.anchored;
   for (const Region& region : fixed) anchored.add(elements_of(body, region, "fix"));
-  if (!body.links_known_valid) {
+  if (!body.links_known_valid || body.beyond) {
     const ProjectionReport projection = project(body, anchored, held);
     result.projected_links = projection.violated_links;
     result.projected_max_voxels = projection.max_move_voxels;

@@ -17,7 +17,7 @@ RelaxModel::RelaxModel(const HeldBody& held, const RelaxParams& params)
   params.validate();
   m_moduli = moduli_of(held.body, params);
   m_anchored = anchored_elements(held.body, held.anchors, held.holds);
-  if (!held.body.links_known_valid) {
+  if (!held.body.links_known_valid || held.body.beyond) {
     const ProjectionReport projection = project(held.body, m_anchored, held.holds);
     m_report.projected_links = projection.violated_links;
     m_report.projected_max_voxels = projection.max_move_voxels;

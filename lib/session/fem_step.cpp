@@ -76,7 +76,9 @@ void warn_of_result(const FemStep& step, const FemRecord& record, Progress* prog
                        std::to_string(record.links.links) +
                        " beyond the material's limits, by at most " +
                        number_text(record.links.worst_excess_voxels) +
-                       " voxels; a later drag or relaxation projects them");
+                       (step.links_beyond == LinksBeyond::keep
+                            ? " voxels; later drags keep them, a relaxation projects them"
+                            : " voxels; a later drag or relaxation projects them"));
   }
 }
 
@@ -236,6 +238,7 @@ void show_frame(std::size_t frame, FemRecord& record, Body& body) {
   std::tie(record.fitted_pieces, record.fitted_max_voxels) = fit_pieces(body);
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;
+  body.beyond.reset();
 }
 
 void show_mode(int number, FemRecord& record, Body& body) {
@@ -243,6 +246,7 @@ void show_mode(int number, FemRecord& record, Body& body) {
   std::tie(record.fitted_pieces, record.fitted_max_voxels) = fit_pieces(body);
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;
+  body.beyond.reset();
 }
 
 const char* name_of(LoadKind kind) {
@@ -300,6 +304,11 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   if (!body.rigid.empty()) warn_of_moved_pieces(body, before, task.pieces, progress);
   record.links = check_links(body);
   body.links_known_valid = record.links.violated == 0;
+  body.beyond.reset();
+  if (step.links_beyond == LinksBeyond::keep) {
+    stage(progress, "keeping links beyond limits");
+    keep_beyond(body, anchored_elements(body, task.held.anchors, task.held.holds), {});
+  }
   record.milliseconds = milliseconds_since(begin);
   warn_of_result(step, record, progress);
   return record;
@@ -335,6 +344,8 @@ Fields fields(FemStep& step) {
           .range(0, kMostHalvings),
       Field("coarsen", params.doublings, "Elements of 2 voxels' edge, 1, of 4, 2, of 8, 3")
           .range(0, kMostDoublings),
+      Field("beyond_limits", step.links_beyond, {"project", "keep"},
+            "Links that are left beyond their limits: later drags project them, or keep them"),
       Field("max_rotation", params.max_rotation_deg, "Larger turns of an element are warned of")
           .unit("degrees")
           .shown_as("DEG")
@@ -385,6 +396,7 @@ std::string settings_json(const FemStep& step) {
   auto json = nlohmann::ordered_json::parse(fields_json(fields(copy)));
   // Records of exact steps are as they were before there were others.
   if (copy.params.accuracy == FemAccuracy::exact) json.erase("accuracy");
+  if (copy.links_beyond == LinksBeyond::project) json.erase("beyond_limits");
   if (copy.motion) {
     json["motion"] = nlohmann::ordered_json::parse(fields_json(fields(*copy.motion)));
     for (const Vec3i& voxel : copy.motion->watch) {

@@ -34,8 +34,13 @@ struct FemLoad {
   std::optional<Vec3d> facing;
 };
 
+/// Links that a solution leaves beyond the material's limits: later drags of ECM project them to
+/// admissible ones, or keep them.
+enum class LinksBeyond { project, keep };
+
 struct FemStep {
   FemParams params;
+  LinksBeyond links_beyond = LinksBeyond::project;
   Vec3d gravity_m_s2{0, 0, 0};  // LPS
   /// Of the elements of rigid pieces; none: as fem_solid() has it.
   std::optional<double> rigid_young_kpa;

@@ -139,6 +139,11 @@ State without_elements(const State& state, const RemovedElements& removed) {
   }
   left.density = left_densities(state, left.elements, removed.left_share);
   for (BrickValues& q : left.q) move_values(state.elements, left.elements, q);
+  if (state.beyond) {
+    auto beyond = *state.beyond;
+    for (BrickValues& values : beyond) move_values(state.elements, left.elements, values);
+    left.beyond = std::make_shared<const std::array<BrickValues, 3>>(std::move(beyond));
+  }
   for (auto& axis : left.rest) {
     for (BrickValues& rest : axis) move_values(state.elements, left.elements, rest);
   }

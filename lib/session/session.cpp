@@ -71,7 +71,7 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
   m_state.material_toml = material_to_toml(m_material);
   take_pieces_of_state(path, progress);
   m_links = check_links(m_body);
-  m_body.links_known_valid = m_links.violated == 0;
+  m_body.links_known_valid = !m_body.beyond && m_links.violated == 0;
   find_anchors();
   m_ecm = std::make_unique<VoxelEcmModel>(held());
   if (!m_links.fold_free && m_body.rigid.empty()) {
@@ -310,6 +310,7 @@ State Session::state() const {
   }
   state.rest = m_body.rest;
   state.velocity_mm_s = m_body.velocity_mm_s;
+  state.beyond = m_body.beyond;
   state.configuration = journal();
   return state;
 }

@@ -22,6 +22,7 @@ struct Session::Before {
   std::optional<LinkCuts> cuts, state_cuts;  // once the step is done, where it changed them
   RigidPieces rigid;
   bool links_known_valid;
+  BeyondLimits beyond;
   LinkCheck links;
   std::vector<IndexBox> anchors;
   std::vector<std::int32_t> anchor_labels;

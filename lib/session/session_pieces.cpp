@@ -101,7 +101,7 @@ void Session::change_material(const MaterialTable& material, Progress* progress)
   m_body.slacks = std::move(changed.slacks);
   m_state.material_toml = material_to_toml(m_material);
   m_links = check_links(m_body);
-  m_body.links_known_valid = m_links.violated == 0;
+  m_body.links_known_valid = !m_body.beyond && m_links.violated == 0;
   m_ecm = std::make_unique<VoxelEcmModel>(held());
 }
 

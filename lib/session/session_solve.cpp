@@ -44,6 +44,7 @@ void add(const SidesReport& later, SidesReport& report) {
   report.deepest_voxels = std::max(report.deepest_voxels, later.deepest_voxels);
   report.max_move_voxels = std::max(report.max_move_voxels, later.max_move_voxels);
   report.left = later.left;
+  report.deepened = later.deepened;
   report.is_crushed = report.is_crushed && later.left > 0;
   if (later.left > 0) report.voxel = later.voxel;
   report.left_voxels = later.left_voxels;

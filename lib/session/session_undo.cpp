@@ -35,6 +35,7 @@ Session::Before Session::before(const StepRequest& request) {
       m_state.cuts,
       m_body.rigid,
       m_body.links_known_valid,
+      m_body.beyond,
       m_links,
       m_state.anchors,
       m_state.anchor_labels,
@@ -75,6 +76,7 @@ void Session::restore(Before&& before) {
   if (before.state_cuts) m_state.cuts = std::move(*before.state_cuts);
   m_body.rigid = std::move(before.rigid);
   m_body.links_known_valid = before.links_known_valid;
+  m_body.beyond = std::move(before.beyond);
   m_links = before.links;
   m_state.anchors = std::move(before.anchors);
   m_state.anchor_labels = std::move(before.anchor_labels);

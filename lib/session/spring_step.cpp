@@ -67,6 +67,7 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
   record.reactions = model.reactions(gripped);
   record.links = check_links(held.body);
   held.body.links_known_valid = record.links.violated == 0;
+  held.body.beyond.reset();
   record.milliseconds =
       std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
   warn_of_result(step, record, progress);

@@ -18,7 +18,8 @@ std::optional<LiveEvent> first_model(LiveSession& live) {
   for (const auto& [label, table] : material.labels) has_stiffness |= table.stiffness.has_value();
   if (!has_stiffness) return std::nullopt;
   TomlTable root = TomlTable::parse(
-      "[[event]]\nkind = \"model\"\nmodel = \"fem\"\nfem = { accuracy = \"picture\" }\n",
+      "[[event]]\nkind = \"model\"\nmodel = \"fem\"\nfem = { accuracy = \"picture\", "
+      "beyond_limits = \"keep\" }\n",
       "the model of a body with stiffness");
   return read_event(root.tables("event").front(), live.scene().label_names);
 }

@@ -208,6 +208,9 @@ std::string hash_of(const State& state) {
     sha.update(cuts != nullptr ? cuts : &none, sizeof(none));
   }
   for (const BrickValues& q : state.q) feed(sha, q, bricks);
+  if (state.beyond) {
+    for (const BrickValues& beyond : *state.beyond) feed(sha, beyond, bricks);
+  }
   feed(sha, state.pieces, bricks);
   for (const auto& axis : state.rest) {
     for (const BrickValues& rest : axis) feed(sha, rest, bricks);

@@ -108,6 +108,7 @@ Json options_of(const std::string& kind) {
   if (kind == "fem") {
     FemStep step;
     step.params.set_accuracy(FemAccuracy::picture);  // which a page is for
+    step.links_beyond = LinksBeyond::keep;
     return options_json(fields(step));
   }
   if (kind == "save") {

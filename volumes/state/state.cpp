@@ -62,7 +62,7 @@ void check_fixed_of_brick(const State& state, std::size_t b, const std::int32_t*
   }
 }
 
-/// Of the three coordinates of q or rest stretches.
+/// Checks the three coordinates of q, of what is beyond limits, or of rest stretches.
 void check_fixed(const State& state, const std::array<BrickValues, 3>& values, std::int32_t largest,
                  const std::string& name, const std::string& file) {
   const std::size_t bricks = state.elements.brick_count();
@@ -183,6 +183,7 @@ void check_state(const State& state, const std::string& file) {
   check_densities(state, file);
   check_elements(state, file);
   check_fixed(state, state.q, kMaxOffset, "q", file);
+  if (state.beyond) check_fixed(state, *state.beyond, kMaxOffset, "beyond_limits", file);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     check_fixed(state, state.rest[axis], 2 * kMaxOffset, rest_name(int(axis)), file);
   }

@@ -171,6 +171,12 @@ State read_state(const std::string& path, Progress* progress) {
       bricks_of(*grid_of<openvdb::BoolGrid>(content, kElementGrid, state.geometry, path));
   read_vectors(*grid_of<openvdb::Vec3IGrid>(content, kFixedGrid, state.geometry, path), state,
                state.q, path);
+  if (has_grid(content, kBeyondGrid)) {
+    std::array<BrickValues, 3> beyond;
+    read_vectors(*grid_of<openvdb::Vec3IGrid>(content, kBeyondGrid, state.geometry, path), state,
+                 beyond, path);
+    state.beyond = std::make_shared<const std::array<BrickValues, 3>>(std::move(beyond));
+  }
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::string name = rest_name(int(axis));
     if (!has_grid(content, name)) continue;

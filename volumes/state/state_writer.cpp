@@ -145,6 +145,7 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   check_state(state, path);
   openvdb::GridCPtrVec grids = {make_fixed(kFixedGrid, state, state.q), make_element_mask(state),
                                 make_density(state.density)};
+  if (state.beyond) grids.push_back(make_fixed(kBeyondGrid, state, *state.beyond));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (is_empty(state.rest[axis])) continue;
     grids.push_back(make_fixed(rest_name(int(axis)), state, state.rest[axis]));

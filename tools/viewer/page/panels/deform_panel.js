@@ -97,8 +97,8 @@ export class DeformPanel {
   }
   chooseModel(model) {
     if (this.models[model] && !this.models[model].isValid()) return;
-    const accuracy = this.models[model]?.value('accuracy');
-    const own = model === 'ecm' ? {} : {[model]: {...(accuracy && {accuracy}), ...this.models[model]?.values()}};
+    const shown = (name) => { const value = this.models[model]?.value(name); return value ? {[name]: value} : {}; };
+    const own = model === 'ecm' ? {} : {[model]: {...shown('accuracy'), ...shown('beyond_limits'), ...this.models[model]?.values()}};
     this.session.event({kind: 'model', model, ...own});
   }
   startRelaxing() {
