@@ -19,8 +19,12 @@ class SplitOffsets : public PointwiseOffsets {
   /// The offset of one piece at x, which carries on smoothly beyond its faces; false where the
   /// piece has none.
   virtual bool offset_of(int piece, const Vec3d& x, Vec3d& offset) const = 0;
-  /// Whether tissue from several places lies at x, a place in a split brick, as far as is known.
-  virtual bool is_overlapped(const Vec3d& /*x*/) const { return false; }
+  /// The place of the source that is at x, a place in a split brick, to rounding. `is_ambiguous`:
+  /// tissue from another place has come there, too, however near that is. False where nothing is,
+  /// and where sample() knows no less.
+  virtual bool place_at(const Vec3d& /*x*/, Vec3d& /*place*/, bool& /*is_ambiguous*/) const {
+    return false;
+  }
   /// Distance of x from the nearest face of the piece in mm, as in the body before it was split;
   /// negative outside, infinite for a piece whose faces are not known.
   virtual double depth_mm(int piece, const Vec3d& x) const = 0;

@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/volumes/field/offset_fixtures.h"
+#include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/hidden_elements.h"
 #include "volumes/field/inversion/invert.h"
+#include "volumes/field/points/point_motion.h"
 #include "volumes/grid/cell.h"
 
 using namespace supple;
@@ -153,4 +155,102 @@ TEST(PropertyBorder, ABodyWithTissueBesideItHasTheSameOffsets) {
     }
   });
   EXPECT_GT(compared, last * last * last);
+}
+
+namespace {
+
+/// kDims cut in two between x = 4 and 5, the halves moved apart and pulled together along y and z.
+struct CutInTwo {
+  BrickTopology elements = box_topology(Vec3i(0), kDims - Vec3i(1));
+  LinkCuts cuts;
+  double apart;  // each way
+  double part;   // of the way to the middle
+  Displacement displacement;
+  OffsetField field;
+
+  CutInTwo(double d, double p) : apart(d), part(p) {
+    for (std::size_t b = 0; b < elements.brick_count(); ++b) {
+      for_each_active(elements.mask(b), [&](int offset) {
+        if (elements.origin(b).x + brick_local(offset).x == 4) cuts.cut(b, offset, 0);
+      });
+    }
+    displacement = displacement_on(elements, [&](const Vec3i& v) {
+      const Vec3d middle = Vec3d(kDims - Vec3i(1)) / 2;
+      Vec3d u = (middle - Vec3d(v)) * part;
+      u.x = v.x <= 4 ? -apart : apart;
+      return Vec3f(u);
+    });
+    field = invert_cut(displacement, {elements, cuts});
+  }
+
+  /// The place that has come to x; false where none has, up to half a voxel beyond the border.
+  bool rest_of(const Vec3d& x, Vec3d& rest, double slack) const {
+    const Vec3d middle = Vec3d(kDims - Vec3i(1)) / 2;
+    rest = middle + (x - middle) / (1 - part);
+    const double left = x.x + apart, right = x.x - apart;
+    rest.x = left < 4.5 ? left : right;
+    bool is_there = left < 4.5 + slack || right > 4.5 - slack;
+    for (int a = 0; a < 3; ++a) {
+      is_there = is_there && rest[a] > -0.5 - slack && rest[a] < kDims[a] - 0.5 + slack;
+    }
+    return is_there;
+  }
+};
+
+}  // namespace
+
+TEST(UnitBorder, ALayerBesideAnOpenCutThatDrawsBackStays) {
+  for (const double way : {1.0 / 65536, 0.001, 0.3, 0.499, 0.7}) {
+    const CutInTwo body(0.2, way * 2 / (kDims.y - 1));
+    ASSERT_NE(body.field.split, nullptr);
+    int seen = 0;
+    for_each_voxel(body.elements, [&](const Vec3i& voxel, std::size_t) {
+      Vec3d rest, other;
+      const bool is_there = body.rest_of(Vec3d(voxel), rest, 1e-4);
+      if (is_there != body.rest_of(Vec3d(voxel), other, -1e-4)) return;  // on a face
+      EXPECT_EQ(seen_at(body.displacement, body.field, voxel), is_there ? 100.0f : 0.0f)
+          << voxel << " after " << way;
+      seen += is_there;
+    });
+    EXPECT_GT(seen, 8 * 10 * 12);
+    EXPECT_EQ(count_hidden(body.displacement, body.elements, body.field, {}), 0) << way;
+  }
+}
+
+TEST(PropertyBorder, BesideAnOpenCutSamplesEndHalfAVoxelBeyondIt) {
+  std::mt19937 random(9);
+  for (const double apart : {0.1, 0.75, 1.5}) {
+    const CutInTwo body(apart, 0.03);
+    int beyond = 0;
+    for (int n = 0; n < 20000; ++n) {
+      const Vec3d x = random_place(random, -3, 16);
+      Vec3d rest, other, offset;
+      const bool is_there = body.rest_of(x, rest, 1e-3);
+      if (is_there != body.rest_of(x, other, -1e-3)) continue;
+      if (body.field.split->bricks().find(floor_voxel(x)) < 0) continue;
+      ASSERT_EQ(body.field.sample(x, offset), is_there) << x;
+      if (!is_there) continue;
+      ASSERT_LT((x + offset - rest).length(), 1e-4) << x;
+      beyond += within_border(rest, kDims) != rest;
+    }
+    EXPECT_GT(beyond, 500);
+  }
+}
+
+/// What is seen and what points say is one thing there.
+TEST(PropertyBorder, PointsBesideAnOpenCutGoWithTheirSideBeyondIt) {
+  std::mt19937 random(11);
+  const CutInTwo body(0.75, 0.03);
+  const auto along = motion_along(body.displacement, {body.elements, body.cuts});
+  const auto to_rest = motion_to_rest(body.displacement, {body.elements, body.cuts}, body.field);
+  int beyond = 0;
+  for (int n = 0; n < 5000; ++n) {
+    const Vec3d x = random_place(random, -1.5, 14);
+    Vec3d rest;
+    if (!body.rest_of(x, rest, -1e-3)) continue;
+    EXPECT_LT((to_rest->move(x).to_lps_mm - rest).length(), 1e-4) << x;
+    EXPECT_LT((along->move(rest).to_lps_mm - x).length(), 1e-4) << rest;
+    beyond += within_border(rest, kDims) != rest;
+  }
+  EXPECT_GT(beyond, 200);
 }

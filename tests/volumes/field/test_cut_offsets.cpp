@@ -43,10 +43,12 @@ struct CutBlock {
   CutElements body{elements, cuts};
 
   static bool is_left(const Vec3d& X) { return X.x < kFace; }
-  /// The halves moved by u, each its own.
+  /// The halves moved by u, each its own, off the border of the grid.
   Displacement moved(const std::function<Vec3d(bool is_left, const Vec3d& X)>& u) const {
-    return displacement_on(elements,
-                           [&](const Vec3i& v) { return Vec3f(u(is_left(Vec3d(v)), Vec3d(v))); });
+    Displacement displacement = displacement_on(
+        elements, [&](const Vec3i& v) { return Vec3f(u(is_left(Vec3d(v)), Vec3d(v))); });
+    displacement.geometry = unit_geometry({25, 21, 21});
+    return displacement;
   }
   OffsetField opened_by(double d) const {
     return invert_cut(moved([d](bool left, const Vec3d&) { return Vec3d(left ? -d : d, 0, 0); }),
@@ -191,8 +193,9 @@ TEST(PropertyCutOffsets, NoPlaceReadsTissueFromBeyondTheFaceOfItsSide) {
     ++high[axis];
     return is_left(low) != is_left(high);
   });
-  const Displacement u = displacement_on(
+  Displacement u = displacement_on(
       elements, [&](const Vec3i& v) { return is_left(v) ? Vec3f(-2, -1, 0) : Vec3f(2, 1, 0); });
+  u.geometry = unit_geometry({27, 23, 15});
   const OffsetField field = invert_cut(u, {elements, cuts});
   ASSERT_NE(field.split, nullptr);
   double volume = 0, expected = 23 * 19 * 11;

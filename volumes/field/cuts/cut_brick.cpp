@@ -13,6 +13,8 @@ namespace {
 constexpr double kBent = 0.02;
 // More pieces than this are not told to be single.
 constexpr int kMostPieces = 64;
+// Places that were refined and are farther apart are different ones, in voxels.
+constexpr double kSameExactly = 5e-5;
 // Of offsets as long, to this many voxels, that of the first piece counts, not the rounding.
 constexpr double kSameLength = 1e-4;
 
@@ -27,14 +29,24 @@ bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
 /// Whether cells meet in a face that moved alike.
 bool hold_together(const CutPiece& a, const CutPiece& b) {
   const Vec3i step = b.cell - a.cell;
-  if (step.dot(step) != 1) return false;
-  const auto along = [&](int axis) { return std::size_t(step[axis] != 0); };
-  const std::size_t bits = 4 * along(0) + 2 * along(1) + along(2);
-  const bool is_above = step.x + step.y + step.z > 0;
-  for (std::size_t n = 0; n < 8; ++n) {
-    if (((n & bits) != 0) == is_above && a.u[n] != b.u[n ^ bits]) return false;
+  return step.dot(step) == 1 && a.is_joined_to(b);
+}
+
+/// Whether a piece goes on over the cell of another one.
+bool goes_over(const CutPiece& a, const CutPiece& b) {
+  for (int axis = 0; axis < 3 && a.beyond != 0; ++axis) {
+    if (a.from(axis) < 0 && b.cell[axis] < a.cell[axis]) return true;
+    if (a.to(axis) > 1 && b.cell[axis] > a.cell[axis]) return true;
   }
-  return true;
+  return false;
+}
+
+/// Whether pieces that hold together may reach a place twice: where cells touch that have not moved
+/// alike there, which whole ones always have, and where one goes on over the other.
+bool may_overlap(const CutPiece& a, const CutPiece& b) {
+  const bool are_whole = a.is_whole && b.is_whole;
+  return a.cell == b.cell || goes_over(a, b) || goes_over(b, a) ||
+         (!are_whole && a.joint_with(b) == CutPiece::Joint::torn);
 }
 
 /// Exactly that of the lattice where nothing bends.
@@ -133,16 +145,17 @@ CutBrick::Kept CutBrick::find_reaching(const CutBrick* before) {
   return kept;
 }
 
-/// Different cells that hold together by faces and do not fold reach no place twice.
+/// Different cells that hold together by faces and do not fold reach no place twice, unless some of
+/// them touch elsewhere and do not hold together there, as around the end of a cut.
 bool CutBrick::is_single(const std::int32_t* begin, const std::int32_t* end) const {
   if (begin == end || end - begin > kMostPieces) return false;
   const CutPiece* pieces[kMostPieces];
   int count = 0;
   for (const std::int32_t* number = begin; number != end; ++number) {
     const CutPiece& piece = m_pieces[std::size_t(*number)];
-    const bool has_sides = std::any_of(
-        pieces, pieces + count, [&](const CutPiece* other) { return other->cell == piece.cell; });
-    if (piece.is_folded || has_sides) return false;
+    const bool overlaps = std::any_of(
+        pieces, pieces + count, [&](const CutPiece* other) { return may_overlap(*other, piece); });
+    if (piece.is_folded || piece.folds_beyond || overlaps) return false;
     pieces[count++] = &piece;
   }
   int reached = 1;  // those before are joined to the first
@@ -333,6 +346,37 @@ int CutBrick::find(const Vec3d& x, const Vec3i& dims, Vec3d& offset, int guess) 
     best = number;
   });
   return best;
+}
+
+bool CutBrick::find_place(const Vec3d& x, const Vec3i& dims, Vec3d& place,
+                          bool& is_ambiguous) const {
+  struct Found {
+    Vec3d place;
+    Content content;
+    bool is_within;  // its cell
+  };
+  std::vector<Found> found;
+  for_found(x, dims, [&](int number, Vec3d X) {
+    const CutPiece& piece = m_pieces[std::size_t(number)];
+    const bool is_within = piece.refine(x, X);
+    found.push_back({X, piece.content_at(X), is_within});
+  });
+  const bool is_any_within =
+      std::any_of(found.begin(), found.end(), [](const Found& one) { return one.is_within; });
+  const Found* best = nullptr;
+  is_ambiguous = false;
+  for (const Found& one : found) {
+    if (is_any_within && !one.is_within) continue;
+    if (best != nullptr && best->content != Content::air && one.content != Content::air) {
+      is_ambiguous = is_ambiguous || (one.place - best->place).length() > kSameExactly;
+    }
+    const bool is_better = best == nullptr || one.content > best->content ||
+                           (one.content == best->content &&
+                            (one.place - x).length() < (best->place - x).length() - kSameLength);
+    if (is_better) best = &one;
+  }
+  if (best != nullptr) place = best->place;
+  return best != nullptr;
 }
 
 bool CutBrick::is_overlapped(const Vec3d& x, const Vec3i& dims) const {

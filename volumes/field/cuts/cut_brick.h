@@ -46,7 +46,11 @@ class CutBrick {
   const BrickMask& interpolated() const { return m_interpolated; }
   /// Until find_interpolated() looks at them.
   void set_interpolated(const BrickMask& cells) { m_interpolated = cells; }
-  /// Whether tissue lies at x that comes from elsewhere than what find() gives.
+  /// The place that find() gives, to rounding. `is_ambiguous`: tissue from another place has come
+  /// to x, too, however near that is. False in the void.
+  bool find_place(const Vec3d& x, const Vec3i& dims, Vec3d& place, bool& is_ambiguous) const;
+  /// Whether tissue lies at x that comes from elsewhere than what find() gives, by half a voxel or
+  /// more.
   bool is_overlapped(const Vec3d& x, const Vec3i& dims) const;
 
  private:

@@ -116,6 +116,7 @@ void CutInversion::follow_moves(const VectorBricks& u, const DisplacedBricks& ch
       const std::int32_t upper = m_cells.find(m_cells.origin(b) + cell_corner(n) * kBrickDim);
       if (upper >= 0) move.add(m_moves[std::size_t(upper)]);
     }
+    if (!move.empty()) widen_at_border(m_cells.origin(b), move);
     CutBox reach;
     reach.add(Vec3d(m_cells.origin(b)) + move.lo - Vec3d(kReachSlack));
     reach.add(Vec3d(m_cells.origin(b)) + Vec3d(kBrickDim) + move.hi + Vec3d(kReachSlack));
@@ -123,6 +124,22 @@ void CutInversion::follow_moves(const VectorBricks& u, const DisplacedBricks& ch
     before.push_back(std::exchange(m_reach[b], reach.bricks()));
   }
   reach_moved(u, changed, beside, before);
+}
+
+/// What cells at the border move where they go on beyond it, as if they began at their corners. A
+/// trilinear cell has 2^m times its range half its length beyond m of its faces.
+void CutInversion::widen_at_border(const Vec3i& origin, CutBox& moves) const {
+  double part = 0.5;
+  Vec3d below(0), above(0);
+  for (int a = 0; a < 3; ++a) {
+    const int last_cell = m_dims[a] - 2 - origin[a];
+    if (m_dims[a] > 1 && origin[a] == 0) below[a] = kBeyondBorder;
+    if (m_dims[a] > 1 && last_cell >= 0 && last_cell < kBrickDim) above[a] = kBeyondBorder;
+    if (below[a] + above[a] > 0) part *= 2;
+  }
+  const Vec3d range = (moves.hi - moves.lo) * (part - 0.5);
+  moves.lo -= range + below;
+  moves.hi += range + above;
 }
 
 void CutInversion::make_sides(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
@@ -143,7 +160,8 @@ void CutInversion::make_sides(const VectorBricks& u, const TornCells& torn, cons
             cell.cell, cell.u[std::size_t(side)],
             before != nullptr ? before->depth : faces.depths_of_corners(cell, side));
         found[n].back().elements = before != nullptr ? before->elements : elements_of(cell.cell);
-        nodes_of(found[n].back().corners(), cell.cell);
+        found[n].back().go_on(m_dims);
+        nodes_of(found[n].back().ends(), cell.cell);
       }
     }
   });
@@ -261,6 +279,7 @@ bool CutInversion::corners_of(const VectorBricks& u, const Vec3i& cell,
 CutPiece CutInversion::whole_piece(const Vec3i& cell, const std::array<Vec3f, 8>& moves) const {
   CutPiece piece(cell, moves);
   piece.elements = elements_of(cell);
+  piece.go_on(m_dims);
   return piece;
 }
 

@@ -110,6 +110,7 @@ class CutInversion {
   Source* source(std::size_t b) const { return m_sources[b].get(); }
   Source& touch(std::size_t b);
   void follow_moves(const VectorBricks& u, const DisplacedBricks& changed);
+  void widen_at_border(const Vec3i& origin, CutBox& moves) const;
   void make_sides(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
                   const BrickList& torn_changed, const BrickList& faces_changed);
   BrickList find_corners(const TornCells& torn, const BrickList& changed);
@@ -146,7 +147,7 @@ class CutInversion {
   BrickTopology m_elements;  // with the copies of a slice
   Vec3i m_dims;
   std::vector<CutBox> m_moves;         // displacements of the voxels of every brick
-  std::vector<CutBox> m_corner_moves;  // and of the corners of its cells
+  std::vector<CutBox> m_corner_moves;  // and of its cells, with what they go on beyond the border
   std::vector<IndexBox> m_reach;       // bricks that the cells of every brick may reach
   std::vector<std::unique_ptr<Source>> m_sources;
   BrickTopology m_whole;

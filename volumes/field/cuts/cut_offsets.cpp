@@ -128,9 +128,9 @@ bool CutOffsets::offset_of(int piece, const Vec3d& x, Vec3d& offset) const {
   return true;
 }
 
-bool CutOffsets::is_overlapped(const Vec3d& x) const {
+bool CutOffsets::place_at(const Vec3d& x, Vec3d& place, bool& is_ambiguous) const {
   const std::int32_t b = bricks().find(floor_voxel(x));
-  return b >= 0 && m_bricks[std::size_t(b)]->cut.is_overlapped(x, m_dims);
+  return b >= 0 && m_bricks[std::size_t(b)]->cut.find_place(x, m_dims, place, is_ambiguous);
 }
 
 double CutOffsets::depth_mm(int number, const Vec3d& x) const {
@@ -200,8 +200,8 @@ void CutOffsets::source_box(std::size_t b, Vec3d& lo, Vec3d& hi) const {
   hi = Vec3d(-HUGE_VAL);
   for (const CutPiece& piece : m_bricks[b]->cut.pieces()) {
     for (int a = 0; a < 3; ++a) {
-      lo[a] = std::min(lo[a], double(piece.cell[a]));
-      hi[a] = std::max(hi[a], double(piece.cell[a] + 1));
+      lo[a] = std::min(lo[a], piece.cell[a] + piece.from(a));
+      hi[a] = std::max(hi[a], piece.cell[a] + piece.to(a));
     }
   }
 }

@@ -130,7 +130,7 @@ class CutOffsets : public SplitOffsets {
 
   bool sample(std::size_t b, const Vec3d& x, Sample& found) const override;
   bool offset_of(int piece, const Vec3d& x, Vec3d& offset) const override;
-  bool is_overlapped(const Vec3d& x) const override;
+  bool place_at(const Vec3d& x, Vec3d& place, bool& is_ambiguous) const override;
   double depth_mm(int piece, const Vec3d& x) const override;
   Vec3d face_normal(int piece, const Vec3d& x) const override;
   Vec3d pull_back(int piece, const Vec3d& x, const Vec3d& y, const Vec3d& gradient) const override;

@@ -18,6 +18,8 @@ constexpr double kEdge = 1e-5;
 constexpr double kBeyond = 3;
 // A node that is off by less is the same, in voxels.
 constexpr double kNear = 1e-3;
+// A place that was found is nearer to where it is than this, in voxels.
+constexpr double kRefined = 0.01;
 // Cells of less volume are flat, in voxels^3.
 constexpr double kFlat = 1e-9;
 // Cells of less have no map.
@@ -53,6 +55,16 @@ Vec3d moved(const CutPiece& piece, const Vec3d& local, Vec3d (&columns)[3]) {
 
 }  // namespace
 
+std::uint8_t beyond_border(const Vec3i& cell, const Vec3i& dims) {
+  unsigned beyond = 0;
+  for (int a = 0; a < 3; ++a) {
+    if (dims[a] == 1) continue;
+    if (cell[a] == 0) beyond |= 1u << (2 * a);
+    if (cell[a] == dims[a] - 2) beyond |= 2u << (2 * a);
+  }
+  return std::uint8_t(beyond);
+}
+
 CutPiece::CutPiece(const Vec3i& at, const std::array<Vec3f, 8>& moves,
                    const std::array<float, 8>& depths)
     : CutPiece(at, moves) {
@@ -75,6 +87,19 @@ CutPiece::CutPiece(const Vec3i& at, const std::array<Vec3f, 8>& moves) : cell(at
   }
 }
 
+void CutPiece::go_on(const Vec3i& dims) {
+  if (is_translated && u[0] == Vec3f(0)) return;
+  beyond = beyond_border(cell, dims);
+  if (beyond == 0) return;
+  const CellCorners reached = ends();
+  for (int a = 0; a < 3; ++a) {
+    const auto [least, most] = std::minmax_element(reached.p[a], reached.p[a] + 8);
+    lo[a] = float(*least);
+    hi[a] = float(*most);
+  }
+  folds_beyond = !is_translated && supple::is_folded(reached);
+}
+
 bool CutPiece::is_own(const Vec3d& t) const {
   if (is_whole) return true;
   double sum = 0;
@@ -94,6 +119,19 @@ CellCorners CutPiece::corners() const {
   return corners;
 }
 
+CellCorners CutPiece::ends() const {
+  if (beyond == 0) return corners();
+  CellCorners ends;
+  Vec3d columns[3];
+  for (int n = 0; n < 8; ++n) {
+    Vec3d local;
+    for (int a = 0; a < 3; ++a) local[a] = cell_corner(n)[a] ? to(a) : from(a);
+    const Vec3d end = moved(*this, local, columns);
+    for (int a = 0; a < 3; ++a) ends.p[a][n] = end[a];
+  }
+  return ends;
+}
+
 bool CutPiece::source_of(const Vec3d& x, Vec3d& X) const {
   const Vec3d at = x - Vec3d(cell);
   for (int a = 0; a < 3; ++a) {
@@ -105,13 +143,15 @@ bool CutPiece::source_of(const Vec3d& x, Vec3d& X) const {
     return is_own(X - Vec3d(cell));
   }
   Vec3d local;
-  const DeformedCell deformed(corners(), is_folded);
+  const bool folds = is_folded || folds_beyond;
+  const DeformedCell deformed(ends(), folds);
   auto outcome = deformed.solve(at, kTolerance, kMaxSteps, local);
   if (outcome == DeformedCell::Outcome::outside) return false;
-  if (is_folded || outcome == DeformedCell::Outcome::undecided) {
+  if (folds || outcome == DeformedCell::Outcome::undecided) {
     outcome = deformed.solve_by_bisection(at, kTolerance, kMaxSteps, local);
   }
   if (outcome != DeformedCell::Outcome::inside) return false;
+  for (int a = 0; a < 3 && beyond != 0; ++a) local[a] = from(a) + local[a] * (to(a) - from(a));
   X = Vec3d(cell) + local;
   return is_own(local);
 }
@@ -137,10 +177,31 @@ bool CutPiece::source_beyond(const Vec3d& x, Vec3d& X) const {
   return residual(x, X) < kTolerance;
 }
 
+bool CutPiece::refine(const Vec3d& x, Vec3d& X) const {
+  if (is_translated) return true;
+  const Vec3d at = x - Vec3d(cell);
+  Vec3d local = X - Vec3d(cell), columns[3];
+  for (int step = 0; step < 3; ++step) {
+    const Vec3d residual = at - moved(*this, local, columns);
+    const Vec3d yz = columns[1].cross(columns[2]);
+    const double volume = columns[0].dot(yz);
+    if (std::abs(volume) < kFlat) return true;
+    const Vec3d xr = columns[0].cross(residual);
+    const Vec3d change = Vec3d(residual.dot(yz), xr.dot(columns[2]), -xr.dot(columns[1])) / volume;
+    if (!(change.length() < kRefined)) return true;
+    local += change;
+  }
+  X = Vec3d(cell) + local;
+  for (int a = 0; a < 3; ++a) {
+    if (!(local[a] >= from(a) - 2 * kEdge && local[a] <= to(a) + 2 * kEdge)) return false;
+  }
+  return true;
+}
+
 bool CutPiece::has(const Vec3d& x, const Vec3d& offset) const {
   const Vec3d X = x + offset, local = X - Vec3d(cell);
   for (int a = 0; a < 3; ++a) {
-    if (!(local[a] >= -kNear && local[a] <= 1 + kNear)) return false;
+    if (!(local[a] >= from(a) - kNear && local[a] <= to(a) + kNear)) return false;
   }
   return residual(x, X) < kNear;
 }
@@ -158,21 +219,28 @@ Vec3d CutPiece::pull_back(const Vec3d& X, const Vec3d& gradient) const {
          volume;
 }
 
-bool CutPiece::is_joined_to(const CutPiece& other) const {
+CutPiece::Joint CutPiece::joint_with(const CutPiece& other) const {
   const Vec3i step = other.cell - cell;
-  if (std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) > 1) return false;
+  if (std::max({std::abs(step.x), std::abs(step.y), std::abs(step.z)}) > 1) return Joint::none;
   for (int n = 0; n < kCellCorners; ++n) {
     const Vec3i corner = cell_corner(n) - step;  // of the other
     if (std::min({corner.x, corner.y, corner.z}) < 0) continue;
     if (std::max({corner.x, corner.y, corner.z}) > 1) continue;
     const int same = 4 * corner.x + 2 * corner.y + corner.z;
-    if (u[std::size_t(n)] != other.u[std::size_t(same)]) return false;
+    if (u[std::size_t(n)] != other.u[std::size_t(same)]) return Joint::torn;
   }
-  return true;
+  return Joint::joined;
+}
+
+bool CutPiece::is_beyond(const Vec3d& X) const {
+  for (int a = 0; a < 3 && beyond != 0; ++a) {
+    if (X[a] < cell[a] || X[a] > cell[a] + 1) return true;
+  }
+  return false;
 }
 
 Content CutPiece::content_at(const Vec3d& X) const {
-  if (elements == 0xff) return Content::tissue;
+  if (elements == 0xff) return is_beyond(X) ? Content::surface : Content::tissue;
   int nearest = 0;
   for (int a = 0; a < 3; ++a) nearest = 2 * nearest + (X[a] - cell[a] >= 0.5 ? 1 : 0);
   return elements >> nearest & 1 ? Content::surface : Content::air;
@@ -203,8 +271,9 @@ PieceMap::PieceMap(const CutPiece& piece)
       m_xy(0),
       m_yz(0),
       m_xz(0),
-      m_xyz(0) {
-  const CellCorners corners = piece.corners();
+      m_xyz(0),
+      m_beyond(piece.beyond) {
+  const CellCorners corners = piece.ends();
   Vec3d columns[3] = {Vec3d(0), Vec3d(0), Vec3d(0)};
   Vec3d bent[4] = {Vec3d(0), Vec3d(0), Vec3d(0), Vec3d(0)};  // of xy, yz, xz, xyz
   for (int n = 0; n < 8; ++n) {
@@ -253,7 +322,17 @@ PieceMap::PieceMap(const CutPiece& piece)
   }
   m_is_injective = rest < 1;
   m_tolerance = float(kMapTolerance / longest);
-  m_is_regular = !piece.is_folded && m_tolerance > kFloatNoise;
+  m_is_regular = !piece.is_folded && !piece.folds_beyond && m_tolerance > kFloatNoise;
+}
+
+inline Vec3d PieceMap::local_of(const Vec3f& eta) const {
+  Vec3d local;
+  for (int a = 0; a < 3; ++a) local[a] = std::clamp(double(eta[a]) + 0.5, 0.0, 1.0);
+  for (int a = 0; a < 3 && m_beyond != 0; ++a) {
+    const double lowest = lowest_place(m_beyond, a);
+    local[a] = lowest + local[a] * (highest_place(m_beyond, a) - lowest);
+  }
+  return local;
 }
 
 inline Vec3f PieceMap::value(const Vec3f& eta) const {
@@ -292,7 +371,7 @@ PieceMap::Outcome PieceMap::newton(const Vec3f& t, Vec3d& local) const {
     if (size < 1 && m_bend * size * size <= m_tolerance) break;
   }
   const float reached = largest(eta);
-  for (int a = 0; a < 3; ++a) local[a] = std::clamp(double(eta[a]) + 0.5, 0.0, 1.0);
+  local = local_of(eta);
   if (reached < 0.5f - kMapEdge) return Outcome::inside;
   if (reached <= 0.5f + float(kEdge)) return Outcome::edge;
   return m_is_injective && reached <= kInjectiveHalf ? Outcome::outside : Outcome::undecided;
@@ -300,8 +379,15 @@ PieceMap::Outcome PieceMap::newton(const Vec3f& t, Vec3d& local) const {
 
 /// dX/dx is the inverse of G (I + N'), whose columns are the derivatives of the moved place.
 Vec3d PieceMap::pull_back(const Vec3d& local, const Vec3d& gradient) const {
-  const Jacobian j = jacobian(Vec3f(local - Vec3d(0.5)));
-  const Vec3f yz = j.y.cross(j.z), g(gradient);
+  Vec3d eta = local - Vec3d(0.5), along = gradient;
+  for (int a = 0; a < 3 && m_beyond != 0; ++a) {
+    const double lowest = lowest_place(m_beyond, a);
+    const double size = highest_place(m_beyond, a) - lowest;
+    eta[a] = (local[a] - lowest) / size - 0.5;
+    along[a] *= size;
+  }
+  const Jacobian j = jacobian(Vec3f(eta));
+  const Vec3f yz = j.y.cross(j.z), g(along);
   const float volume = j.x.dot(yz);
   if (!(std::abs(volume) > kRegular)) return gradient;
   const Vec3f w = (yz * g.x + j.z.cross(j.x) * g.y + j.x.cross(j.y) * g.z) / volume;

@@ -33,6 +33,14 @@ bool reaches(const Vec3i& cell, const std::array<Vec3f, 8>& u, const CutBox& box
   return true;
 }
 
+bool reaches(const CutPiece& piece, const CutBox& box) {
+  for (int a = 0; a < 3; ++a) {
+    if (piece.cell[a] + double(piece.lo[a]) > box.hi[a]) return false;
+    if (piece.cell[a] + double(piece.hi[a]) < box.lo[a]) return false;
+  }
+  return true;
+}
+
 /// Pieces of a brick.
 struct PieceRun {
   const CutPiece *begin = nullptr, *end = nullptr;
@@ -98,7 +106,8 @@ void CutInversion::add_pieces(const VectorBricks& u, const TornCells& torn, std:
       moves[std::size_t(n)] = vectors[from][brick_offset(corner)];
       solid |= unsigned(mask_test(*elements[from], brick_offset(corner))) << n;
     }
-    if (!reaches(origin + local, moves, box)) return;
+    const bool is_at_border = beyond_border(origin + local, m_dims) != 0;
+    if (!is_at_border && !reaches(origin + local, moves, box)) return;
     while (known.begin != known.end && voxel_less(known.begin->cell, origin + local)) ++known.begin;
     if (known.begin != known.end && known.begin->cell == origin + local &&
         known.begin->u == moves) {
@@ -107,7 +116,8 @@ void CutInversion::add_pieces(const VectorBricks& u, const TornCells& torn, std:
     }
     CutPiece piece(origin + local, moves);
     piece.elements = std::uint8_t(solid);
-    brick.add(piece);
+    piece.go_on(m_dims);
+    if (!is_at_border || reaches(piece, box)) brick.add(piece);
   });
 }
 

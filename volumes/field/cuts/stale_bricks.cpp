@@ -35,13 +35,20 @@ void for_split_in(const IndexBox& box, Splits& splits, Visit&& visit) {
 
 using CellVectors = std::array<const Vec3f*, kCellCorners>;  // of a brick and of those above it
 
-/// Where the corners of a cell are with such vectors.
-CutBox moved_box(const Vec3i& origin, int cell, const CellVectors& vectors) {
+/// Where a cell is with such vectors.
+CutBox moved_box(const Vec3i& origin, int cell, const CellVectors& vectors, const Vec3i& dims) {
   CutBox box;
+  std::array<Vec3f, 8> moves;
   for (int n = 0; n < kCellCorners; ++n) {
     const Vec3i at = brick_local(cell) + cell_corner(n);
     const auto from = std::size_t(4 * (at.x >> 3) + 2 * (at.y >> 3) + (at.z >> 3));
-    box.add(Vec3d(origin + at) + Vec3d(vectors[from][brick_offset(at)]));
+    moves[std::size_t(n)] = vectors[from][brick_offset(at)];
+    box.add(Vec3d(origin + at) + Vec3d(moves[std::size_t(n)]));
+  }
+  if (beyond_border(origin + brick_local(cell), dims) != 0) {
+    CutPiece piece(origin + brick_local(cell), moves);
+    piece.go_on(dims);
+    box.add(box_of(piece, 0));
   }
   box.lo -= Vec3d(2 * kReachSlack);
   box.hi += Vec3d(2 * kReachSlack);
@@ -85,7 +92,7 @@ void CutInversion::reach_moved(const VectorBricks& u, const DisplacedBricks& mov
     keep(cell_mask(m_cells, b), cells);
     for_each_active(cells, [&](int cell) {
       for (const CellVectors* vectors : {&now, &before}) {
-        for_split_in(moved_box(m_cells.origin(b), cell, *vectors).bricks(), m_split,
+        for_split_in(moved_box(m_cells.origin(b), cell, *vectors, m_dims).bricks(), m_split,
                      [&](const auto& entry) {
                        if (reached[n].empty() || !(reached[n].back() == entry.first)) {
                          reached[n].push_back(entry.first);

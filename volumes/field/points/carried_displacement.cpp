@@ -60,8 +60,31 @@ bool CarriedDisplacement::is_known(const Vec3i& voxel, const Vec3d& t) const {
   return true;
 }
 
+/// One step beyond the border of the volume it goes on linearly, along each axis that leaves, as
+/// the border voxels do for half of that.
+Vec3d CarriedDisplacement::at_node(const Vec3i& voxel) const {
+  Vec3i border = voxel;
+  for (int a = 0; a < 3; ++a) {
+    if (m_dims[a] > 1) border[a] = std::clamp(voxel[a], 0, m_dims[a] - 1);
+  }
+  const Vec3i out = voxel - border;
+  if (out == Vec3i(0) || out.dot(out) > 3) return m_smooth.at(voxel);
+  Vec3d sum(0);
+  for (int n = 0; n < kCellCorners; ++n) {
+    const Vec3i inwards = cell_corner(n);
+    double weight = 1;
+    for (int a = 0; a < 3; ++a)
+      weight *= inwards[a] != 0 ? (out[a] == 0 ? 0 : -1) : 1 + (out[a] != 0);
+    Vec3f u;
+    if (weight == 0) continue;
+    if (!m_u.at(border - out * inwards, u)) return m_smooth.at(voxel);
+    sum += Vec3d(u) * weight;
+  }
+  return sum;
+}
+
 bool CarriedDisplacement::cell(const Vec3i& voxel, TrilinearCell& cell) const {
-  for (int n = 0; n < 8; ++n) cell.u[n] = m_smooth.at(voxel + Vec3i(n >> 2, n >> 1 & 1, n & 1));
+  for (int n = 0; n < kCellCorners; ++n) cell.u[n] = at_node(voxel + cell_corner(n));
   return true;
 }
 
@@ -77,18 +100,31 @@ CellPlace CarriedDisplacement::stretched(const Vec3d& X) const {
   return cell.at(clamped(X) - Vec3d(voxel));
 }
 
+/// The cell around a place. Those at the border of the volume go on for half a voxel, as the voxels
+/// there do.
+Vec3i CarriedDisplacement::cell_around(const Vec3d& X) const {
+  Vec3i cell = floor_voxel(X);
+  for (int a = 0; a < 3; ++a) {
+    const int last = m_dims[a] - 1;
+    const bool is_near = X[a] >= -kBeyondBorder && X[a] <= last + kBeyondBorder;
+    if (last > 0 && is_near) cell[a] = std::clamp(cell[a], 0, last - 1);
+  }
+  return cell;
+}
+
 bool CarriedDisplacement::is_in_torn_cell(const Vec3d& X) const {
-  return has_torn_cells() && m_sides.count(floor_voxel(clamped(X))) != 0;
+  return has_torn_cells() && m_sides.count(cell_around(clamped(X))) != 0;
 }
 
 CarriedDisplacement::Place CarriedDisplacement::at(const Vec3d& X) const {
   const Vec3d near = clamped(X);
-  const Vec3i voxel = floor_voxel(near);
+  Vec3i voxel = floor_voxel(near);
+  const auto torn = m_sides.find(cell_around(near));
+  if (torn != m_sides.end()) voxel = torn->first;
   const Vec3d t = near - Vec3d(voxel);
   Place place;
   TrilinearCell corners;
   cell(voxel, corners);
-  const auto torn = m_sides.find(voxel);
   if (torn != m_sides.end()) {
     double deepest = -HUGE_VAL;
     for (const CutPiece& side : torn->second) {

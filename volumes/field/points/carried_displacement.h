@@ -1,6 +1,7 @@
-// The displacement of a body at any place: trilinear in its cells, carried on smoothly beyond them,
-// and in cells that a cut has opened that of the side on which a place lies.
-// Cost: that of a SmoothExtension and a copy of u; 0.2 µs per place.
+// The displacement of a body at any place: trilinear in its cells, linear for a step beyond the
+// border of the volume, carried on smoothly elsewhere beyond them, and in cells that a cut has
+// opened that of the side on which a place lies. Cost: that of a SmoothExtension and a copy of u;
+// 0.2 µs per place.
 #pragma once
 
 #include <unordered_map>
@@ -44,7 +45,9 @@ class CarriedDisplacement {
   const VectorBricks& known() const { return m_u; }
 
  private:
+  Vec3d at_node(const Vec3i& voxel) const;
   bool is_known(const Vec3i& voxel, const Vec3d& t) const;
+  Vec3i cell_around(const Vec3d& X) const;
   void tear(const std::vector<TornCell>& torn, const CutFaces& faces);
 
   Vec3i m_dims;

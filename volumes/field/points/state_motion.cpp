@@ -104,13 +104,14 @@ class MotionToRest final : public PointMotion {
   Found find(const Vec3d& x) const {
     Vec3d offset;
     if (!is_near(x)) return {-m_u.stretched(x).u, PlaceKind::outside, identity_columns()};
-    if (in_split_brick(x) && m_offsets.sample(x, offset)) {
-      Found found = found_at(x + offset, offset);
-      if (m_offsets.split->is_overlapped(x)) found.kind = PlaceKind::folded;
-      return found;
-    }
     Vec3d X;
     bool is_overlapped = false;
+    if (in_split_brick(x) && m_offsets.split->place_at(x, X, is_overlapped)) {
+      Found found = found_at(X, X - x);
+      if (is_overlapped) found.kind = PlaceKind::folded;
+      return found;
+    }
+    is_overlapped = false;
     if (!solve(x, X, is_overlapped)) {
       offset = m_start.sample(x);
       return {offset, PlaceKind::unresolved, identity_columns()};
