@@ -46,7 +46,8 @@ nlohmann::ordered_json summary_json(const DeformationSummary& summary) {
           {"max_mm", summary.max_mm},
           {"min_jacobian", summary.min_jacobian},
           {"max_jacobian", summary.max_jacobian},
-          {"folded_voxels", summary.folded_voxels},
+          {"folded_cells", summary.folded_cells},
+          {"folded_voxels", summary.folded_cells},  // the former name, for one release
           {"rest_volume_mm3", summary.rest_volume_mm3},
           {"volume_mm3", summary.volume_mm3},
           {"volume_change_percent", 100 * summary.volume_change()}};

@@ -82,7 +82,7 @@ TEST(UnitDeformationMetrics, AnAffineMapHasItsDeterminantEverywhere) {
   EXPECT_NEAR(summary.min_jacobian, 1.25 * 1.125 * 0.5, 1e-6);
   EXPECT_NEAR(summary.max_jacobian, 1.25 * 1.125 * 0.5, 1e-6);
   EXPECT_NEAR(summary.volume_change(), 1.25 * 1.125 * 0.5 - 1, 1e-6);
-  EXPECT_EQ(summary.folded_voxels, 0);
+  EXPECT_EQ(summary.folded_cells, 0);
 }
 
 TEST(UnitDeformationMetrics, InsideTheBodyDifferencesAreCentral) {
@@ -100,7 +100,7 @@ TEST(UnitDeformationMetrics, InsideTheBodyDifferencesAreCentral) {
 TEST(UnitDeformationMetrics, FoldsAreCountedAtTheLowestCornersOfTheirCells) {
   const auto fold = [](const Vec3d& x) { return Vec3d(x.x >= 6 ? -1.5 : 0.0, 0, 0); };
   const DeformationSummary summary = summary_of(fold);
-  EXPECT_EQ(summary.folded_voxels, 8 * 8);  // the cells between x = 5 and 6
+  EXPECT_EQ(summary.folded_cells, 8 * 8);  // the cells between x = 5 and 6
   EXPECT_NEAR(summary.min_jacobian, 1 - 0.75, 1e-6);
 }
 
@@ -115,7 +115,7 @@ TEST(UnitDeformationMetrics, NothingIsDifferencedAcrossACut) {
   }
   const auto apart = [](const Vec3d& x) { return Vec3d(x.x >= 6 ? -1.5 : 0.0, 0, 0); };
   const DeformationSummary summary = summary_of(apart, cuts);
-  EXPECT_EQ(summary.folded_voxels, 0);
+  EXPECT_EQ(summary.folded_cells, 0);
   EXPECT_EQ(summary.min_jacobian, 1);
   EXPECT_EQ(summary.max_jacobian, 1);
 }

@@ -87,7 +87,7 @@ class Summary {
     m_squares += double(length_mm) * length_mm;
     m_jacobians += jacobian;
     m_result.moved += length_mm > kMovedMm;
-    m_result.folded_voxels += folded;
+    m_result.folded_cells += folded;
     const bool is_first = m_lengths.size() == 1;
     m_result.min_jacobian = is_first ? jacobian : std::min(m_result.min_jacobian, jacobian);
     m_result.max_jacobian = is_first ? jacobian : std::max(m_result.max_jacobian, jacobian);

@@ -30,7 +30,7 @@ struct DeformationSummary {
   double volume_mm3 = 0;  // sum of det F times the voxel's volume
   double min_jacobian = 1;
   double max_jacobian = 1;
-  std::int64_t folded_voxels = 0;  // elements at the lowest corner of a folded cell
+  std::int64_t folded_cells = 0;  // those whose lowest corner is an element
 
   /// Relative change of volume: 0.02 is 2 % more.
   double volume_change() const { return volume_mm3 / rest_volume_mm3 - 1; }
