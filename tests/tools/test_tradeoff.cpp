@@ -1,6 +1,7 @@
 // Time against error: rows and their file, fronts, values between points, and the command on a
 // ball.
 #include <fstream>
+#include <random>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -157,6 +158,24 @@ TEST(UnitMethodChoice, ItIsTheBestThatEveryLoadOfTheTableAllows) {
   EXPECT_EQ(fastest_to(choices, 0.5)->method, "fem:0.1");
   EXPECT_FALSE(fastest_to(choices, 0.005)) << "under one load alone";
   EXPECT_FALSE(fastest_to(choices, 0.001));
+}
+
+TEST(UnitMethodChoice, ALargerErrorNeverChoosesASlowerMethodNorALongerTimeALessExactOne) {
+  std::mt19937 random(3);
+  for (int table = 0; table < 50; ++table) {
+    std::vector<MethodChoice> choices;
+    for (int n = 0; n < 6; ++n) {
+      choices.push_back({std::to_string(n), double(random() % 9 + 1), double(random() % 9 + 1)});
+    }
+    sort_by_time(choices);
+    for (int most = 1; most < 9; ++most) {
+      const auto by_error = fastest_to(choices, most), looser = fastest_to(choices, most + 1);
+      EXPECT_TRUE(!by_error || looser->solve_s <= by_error->solve_s) << table << ' ' << most;
+      const auto by_time = most_exact_within(choices, most);
+      const auto longer = most_exact_within(choices, most + 1);
+      EXPECT_TRUE(!by_time || longer->error_mm <= by_time->error_mm) << table << ' ' << most;
+    }
+  }
 }
 
 TEST(UnitMethodChoice, TimesAndLengthsHaveUnits) {
