@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,18 @@ struct LastingBounds;
 /// where it is, and withdrawing it leaves the tissue where it was pushed to.
 enum class HandleKind { two_sided, push };
 
+/// Where a step of one voxel along each axis of the grid goes, in voxels.
+using GridSteps = std::array<Vec3d, 3>;
+inline const GridSteps kUnitSteps{Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)};
+
+/// A motion that turns or scales, as elements feel it that have no neighbour to show it: what it
+/// makes of the steps between places where it starts.
+struct StepMotion {
+  GridSteps before = kUnitSteps, after = kUnitSteps;  // up to where the drag begins, and ends
+  /// Offsets of the elements where the motion starts; empty: where they are now.
+  std::vector<std::array<std::int32_t, 3>> start_q = {};
+};
+
 /// A grabbed region and how far its elements move from where they are now, per grid axis in 2^-16
 /// voxel: all as one, or each by itself.
 struct Handle {
@@ -53,6 +66,9 @@ struct Handle {
   /// asks for its displacements: each element goes as far as anchors let it, and shortens the drag
   /// of no other.
   bool is_edge = false;
+  /// Of a handle that moves its elements by `each_by_q`; absent: nothing is known but these. A part
+  /// of the drag is that part of `after` - `before`.
+  std::optional<StepMotion> steps = {};
 };
 
 /// Displacement in mm along the grid axes i, j, k, rounded to the nearest fixed-point number.

@@ -46,7 +46,29 @@ std::vector<NodeIndex> nodes_of_elements(const HexMesh& mesh, const SlotSet& ele
   return nodes;
 }
 
+/// Nodes with displacements of their own.
+void hold(const std::vector<NodeGrip>& held, NodalLoads& out) {
+  std::vector<NodeIndex> nodes;
+  std::vector<double> shares;
+  for (const NodeGrip& own : held) {
+    const bool is_shared = own.share < 1;
+    if (!is_shared && out.held[own.node] != 0) continue;
+    require_finite(own.u_mm, "displacement");
+    for (int a = 0; a < 3; ++a) out.u_mm[3 * std::size_t(own.node) + a] = own.u_mm[a];
+    nodes.push_back(own.node);
+    if (is_shared && shares.empty()) shares.assign(nodes.size() - 1, 1);
+    if (is_shared || !shares.empty()) shares.push_back(own.share);
+  }
+  for (const NodeIndex node : nodes) out.held[node] = 7;
+  out.nodes_of.push_back(std::move(nodes));
+  out.shares_of.push_back(std::move(shares));
+}
+
 void hold(const HexMesh& mesh, const HeldElements& held, NodalLoads& out) {
+  if (held.nodes) {
+    hold(*held.nodes, out);
+    return;
+  }
   std::vector<NodeIndex> nodes = nodes_of_elements(mesh, held.elements, held.holds_node);
   std::uint8_t bits = 0;
   for (int a = 0; a < 3; ++a) bits = std::uint8_t(bits | (held.axes[a] ? 1 << a : 0));
@@ -70,6 +92,7 @@ void hold(const HexMesh& mesh, const HeldElements& held, NodalLoads& out) {
   }
   for (const NodeIndex node : nodes) out.held[node] = std::uint8_t(out.held[node] | bits);
   out.nodes_of.push_back(std::move(nodes));
+  out.shares_of.emplace_back();
 }
 
 void add_to_node(const Vec3d& force, NodeIndex node, std::vector<double>& sum) {
@@ -227,8 +250,10 @@ std::vector<double> forces_within_held(const HexMesh& voxels, const VoxelMateria
 }
 
 LoadPath::LoadPath(const HexMesh& voxels, const NodalLoads& loads) : m_loads(&loads) {
-  for (const std::vector<NodeIndex>& nodes : loads.nodes_of) {
-    Grip grip{&nodes, {}, {}, true, {}};
+  for (std::size_t held = 0; held < loads.nodes_of.size(); ++held) {
+    const std::vector<NodeIndex>& nodes = loads.nodes_of[held];
+    const bool is_shared = held < loads.shares_of.size() && !loads.shares_of[held].empty();
+    Grip grip{&nodes, is_shared ? &loads.shares_of[held] : nullptr, {}, {}, true, {}};
     for (const NodeIndex n : nodes) {
       const double* u = &loads.u_mm[3 * std::size_t(n)];
       grip.end_mm.emplace_back(u[0], u[1], u[2]);
@@ -254,24 +279,36 @@ std::size_t LoadPath::bytes() const {
   return sum;
 }
 
+Vec3d LoadPath::Grip::at(double part, const RigidMotion& on_the_way, std::size_t n) const {
+  const Vec3d &rest = rest_mm[n], &end = end_mm[n];
+  if (part == 1 || !is_rigid) return end * part;
+  // What the rigid motion leaves over grows in proportion, and turns with it.
+  const Vec3d left = motion.turn.inverse()(rest + end - motion(rest));
+  return on_the_way(rest) + on_the_way.turn(left * part) - rest;
+}
+
 void LoadPath::prescribe(double part, std::vector<double>& u_mm) const {
+  const auto share = [&](const Grip& grip, std::size_t n) {
+    return grip.shares == nullptr || part == 1 ? 1 : (*grip.shares)[n];
+  };
+  for (const Grip& grip : m_grips) {
+    for (std::size_t n = 0; n < grip.nodes->size(); ++n) {
+      double* u = &u_mm[3 * std::size_t((*grip.nodes)[n])];
+      if (share(grip, n) < 1) u[0] = u[1] = u[2] = 0;
+    }
+  }
+  // Of nodes that several hold, where each would have them on its way, in the mean.
   for (const Grip& grip : m_grips) {
     const RigidMotion on_the_way = grip.motion.part(part);
-    const Turn back = grip.motion.turn.inverse();
     for (std::size_t n = 0; n < grip.nodes->size(); ++n) {
       const NodeIndex node = (*grip.nodes)[n];
-      double* u = &u_mm[3 * std::size_t(node)];
-      const Vec3d &rest = grip.rest_mm[n], &end = grip.end_mm[n];
-      if (part == 1 || !grip.is_rigid) {
-        for (int a = 0; a < 3; ++a) {
-          if ((m_loads->held[node] >> a & 1) != 0) u[a] = part * end[a];
-        }
-        continue;
+      const Vec3d way = grip.at(part, on_the_way, n);
+      const double weight = share(grip, n);
+      for (int a = 0; a < 3; ++a) {
+        if ((m_loads->held[node] >> a & 1) == 0) continue;
+        double& u = u_mm[3 * std::size_t(node) + std::size_t(a)];
+        u = weight < 1 ? u + weight * way[a] : way[a];
       }
-      // What the rigid motion leaves over grows in proportion, and turns with it.
-      const Vec3d left = back(rest + end - grip.motion(rest));
-      const Vec3d way = on_the_way(rest) + on_the_way.turn(left * part) - rest;
-      for (int a = 0; a < 3; ++a) u[a] = way[a];
     }
   }
 }

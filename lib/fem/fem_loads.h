@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "lib/body/rigid_pieces.h"
@@ -18,6 +19,13 @@ namespace supple {
 /// Small displacements, of which forces are linear; or any (finite_strain.h).
 enum class StrainTheory { linear, finite };
 
+/// A node that is prescribed a displacement of its own.
+struct NodeGrip {
+  NodeIndex node;
+  Vec3d u_mm;
+  double share = 1;  // of the force on the node, others that hold it have the rest
+};
+
 /// Elements whose corners are prescribed a displacement, as a handle or an anchor does.
 struct HeldElements {
   SlotSet elements;
@@ -27,6 +35,8 @@ struct HeldElements {
   std::array<bool, 3> axes{true, true, true};
   /// Which corners of the elements; null: all eight.
   std::function<bool(const Vec3d& rest_mm)> holds_node;
+  /// Instead of what stands above: these nodes of the elements, ascending, in all components.
+  std::optional<std::vector<NodeGrip>> nodes = {};
 };
 
 /// A force that the elements share by their volume, and each of them by its corners.
@@ -53,7 +63,7 @@ struct PressureInElements {
 using NodeStart = std::vector<float>;
 
 struct FemLoads {
-  /// A node that several hold obeys the first.
+  /// A node that several hold obeys the first. Those that share it have it where they agree.
   std::vector<HeldElements> held;
   std::vector<ForceOnElements> forces;
   std::vector<PressureOnFaces> face_pressures;
@@ -73,10 +83,17 @@ struct NodalLoads {
   std::vector<double> force_mn;                  // empty where no force acts
   std::vector<double> swelling_kpa;              // per element; linear theory has forces for it
   std::vector<std::vector<NodeIndex>> nodes_of;  // per HeldElements: the nodes that it holds
+  /// Of the force on each of these; empty: the whole of all.
+  std::vector<std::vector<double>> shares_of;
   /// Forces on nodes by elements that are held as a whole, three per node; empty where these have
   /// none. No unknown changes them, and they may be far above all that is solved for: bone beside a
   /// lip that is led away.
   std::vector<double> within_held_mn;
+
+  /// Of the n-th node of nodes_of[of].
+  double share(std::size_t of, std::size_t n) const {
+    return of >= shares_of.size() || shares_of[of].empty() ? 1 : shares_of[of][n];
+  }
 };
 
 /// Throws InputError: an element that the mesh does not have, a value that is not finite.
@@ -102,9 +119,13 @@ class LoadPath {
  private:
   struct Grip {
     const std::vector<NodeIndex>* nodes;
+    const std::vector<double>* shares;   // null: the whole of all
     std::vector<Vec3d> rest_mm, end_mm;  // per node: where it rests, and its whole displacement
     bool is_rigid;                       // all three components are held
     RigidMotion motion;                  // nearest to the displacements
+
+    /// Displacement of the n-th node on the way, of which the rigid motion is there.
+    Vec3d at(double part, const RigidMotion& on_the_way, std::size_t n) const;
   };
   const NodalLoads* m_loads;
   std::vector<Grip> m_grips;

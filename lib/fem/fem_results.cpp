@@ -231,7 +231,8 @@ std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loa
                                       const std::vector<double>& r,
                                       const std::vector<double>* u_mm) {
   std::vector<FemReaction> out;
-  for (const std::vector<NodeIndex>& nodes : loads.nodes_of) {
+  for (std::size_t held = 0; held < loads.nodes_of.size(); ++held) {
+    const std::vector<NodeIndex>& nodes = loads.nodes_of[held];
     std::vector<Vec3d> positions = node_positions(mesh, nodes);
     FemReaction reaction;
     reaction.nodes = std::int64_t(nodes.size());
@@ -248,7 +249,8 @@ std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loa
       Vec3d force(0);
       for (int a = 0; a < 3; ++a) {
         if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
-        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * kNewtonPerMn;
+        force[a] =
+            r[3 * std::size_t(nodes[n]) + std::size_t(a)] * loads.share(held, n) * kNewtonPerMn;
       }
       reaction.force_n += force;
       reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);

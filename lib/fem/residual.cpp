@@ -107,11 +107,13 @@ ResidualSize ResidualMeter::operator()(const std::vector<double>& r) {
   double change = 0, largest = 0;
   for (std::size_t s = 0; s < m_reactions.size(); ++s) {
     Vec3d sum(0);
-    for (const NodeIndex n : m_loads->nodes_of[s]) {
+    for (std::size_t of_held = 0; of_held < m_loads->nodes_of[s].size(); ++of_held) {
+      const NodeIndex n = m_loads->nodes_of[s][of_held];
+      const double share = m_loads->share(s, of_held);
       for (int a = 0; a < 3; ++a) {
         const std::size_t at = 3 * std::size_t(n) + std::size_t(a);
         if ((m_loads->held[n] >> a & 1) == 0) continue;
-        sum[a] += r[at] + (within.empty() ? 0 : within[at]);
+        sum[a] += share * (r[at] + (within.empty() ? 0 : within[at]));
       }
     }
     change = std::max(change, (sum - m_reactions[s]).length());

@@ -1,10 +1,6 @@
 #include "lib/model/fem_grips.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <memory>
-#include <unordered_map>
 
 #include "lib/body/node_offsets.h"
 #include "lib/fem/fem_results.h"
@@ -13,100 +9,6 @@
 namespace supple {
 
 namespace {
-
-/// Of the corner of voxels at the lattice place nearest to an index position.
-std::uint64_t corner_key(const Vec3d& index) {
-  std::uint64_t key = 0;
-  for (int c = 0; c < 3; ++c) {
-    const std::int64_t place = std::llround(index[c] + 0.5) + (1 << 20);
-    key = (key << 21) | (std::uint64_t(place) & ((1u << 21) - 1));
-  }
-  return key;
-}
-
-struct CornerSum {
-  Vec3d sum{0, 0, 0};
-  int count = 0;
-};
-using CornerOffsets = std::unordered_map<std::uint64_t, CornerSum>;
-
-/// Trilinear between the corners of the voxel around an index position; some of them at a corner,
-/// an edge or a face.
-Vec3d between(const CornerOffsets& corners, const Vec3d& index) {
-  constexpr double kAtCorner = 1e-6;
-  Vec3d low, part;
-  for (int c = 0; c < 3; ++c) {
-    low[c] = std::floor(index[c] + 0.5 + kAtCorner) - 0.5;
-    part[c] = index[c] - low[c] < 2 * kAtCorner ? 0 : index[c] - low[c];
-  }
-  Vec3d value(0.0);
-  for (int corner = 0; corner < 8; ++corner) {
-    double weight = 1;
-    Vec3d place = low;
-    for (int c = 0; c < 3; ++c) {
-      const bool is_high = (corner >> c & 1) != 0;
-      weight *= is_high ? part[c] : 1 - part[c];
-      if (is_high) place[c] += 1;
-    }
-    if (weight == 0) continue;
-    const CornerSum& found = corners.at(corner_key(place));
-    value += found.sum * (weight / found.count);
-  }
-  return value;
-}
-
-/// Offsets of elements at their corners.
-class CornerField {
- public:
-  CornerField(const Body& body, const SlotSet& slots, const std::vector<Vec3d>& offsets)
-      : m_elements(body.elements), m_offsets(offsets) {
-    std::size_t n = 0;
-    slots.for_each([&](Slot slot) { m_number[slot] = n++; });
-  }
-
-  /// Per corner the mean of what its elements say.
-  CornerOffsets at_corners() const {
-    CornerOffsets corners;
-    for (const auto& [slot, n] : m_number) {
-      const Vec3i voxel = voxel_of(m_elements, slot);
-      const std::array<Vec3d, 3> slopes = slopes_at(voxel, n);
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d way((corner & 4 ? 0.5 : -0.5), (corner & 2 ? 0.5 : -0.5),
-                        (corner & 1 ? 0.5 : -0.5));
-        CornerSum& sum = corners[corner_key(Vec3d(voxel) + way)];
-        sum.sum += m_offsets[n] + slopes[0] * way.x + slopes[1] * way.y + slopes[2] * way.z;
-        ++sum.count;
-      }
-    }
-    return corners;
-  }
-
- private:
-  /// Along each axis, from the neighbours that there are.
-  std::array<Vec3d, 3> slopes_at(const Vec3i& voxel, std::size_t n) const {
-    std::array<Vec3d, 3> slopes;
-    for (int axis = 0; axis < 3; ++axis) {
-      Vec3d ends[2] = {m_offsets[n], m_offsets[n]};
-      int steps = 0;
-      for (const int side : {0, 1}) {
-        Vec3i beside = voxel;
-        beside[axis] += side == 1 ? 1 : -1;
-        Slot slot;
-        if (!slot_of(m_elements, beside, slot)) continue;
-        const auto found = m_number.find(slot);
-        if (found == m_number.end()) continue;
-        ends[side] = m_offsets[found->second];
-        ++steps;
-      }
-      slopes[std::size_t(axis)] = steps == 0 ? Vec3d(0.0) : (ends[1] - ends[0]) / steps;
-    }
-    return slopes;
-  }
-
-  const BrickTopology& m_elements;
-  const std::vector<Vec3d>& m_offsets;
-  std::unordered_map<Slot, std::size_t> m_number;
-};
 
 void require_two_sided(const HeldVoxels& found) {
   for (const HeldHandle& handle : found.handles) {
@@ -142,25 +44,28 @@ FemGrip grip_of(const Body& body, const SlotSet& slots) {
   return grip;
 }
 
-HeldElements held_with(const Body& body, const SlotSet& slots, const std::vector<Vec3d>& offsets) {
-  HeldElements held;
-  held.elements = slots;
-  const Geometry& geometry = body.geometry;
-  const Vec3d& first = offsets.front();
-  const bool is_one = std::all_of(offsets.begin(), offsets.end(),
-                                  [&](const Vec3d& offset) { return offset == first; });
-  if (is_one && first == Vec3d(0.0)) return held;
-  if (is_one) {
-    const Vec3d u_mm = geometry.world_vector_from_index(first);
-    held.displacement_mm = [u_mm](const Vec3d&) { return u_mm; };
-    return held;
+/// Numbers of fields.
+constexpr int kAnchors = 0, kHeld = 1, kPoints = 2, kFirstHandle = 3;
+
+Vec3d in_voxels(const std::array<std::int32_t, 3>& q) {
+  return Vec3d(q[0], q[1], q[2]) / kFixedOne;
+}
+
+/// A single voxel that only shifts says where its centre goes; how it turns, other points beside
+/// it.
+void move_by(const Body& body, const HeldHandle& handle, FemGrip& grip) {
+  for (std::size_t n = 0; n < grip.offsets.size(); ++n) grip.offsets[n] += in_voxels(handle.by(n));
+  if (const std::optional<StepMotion>& steps = handle.source->steps) {
+    grip.motion = GripMotion{steps->before, steps->after, {}};
+    for (const auto& q : steps->start_q) grip.motion->from.push_back(in_voxels(q));
+  } else if (handle.moves_as_one()) {
+    const bool is_point = grip.offsets.size() == 1 && body.rigid.at(grip.slots.first()) < 0;
+    if (is_point) {
+      grip.field = kPoints;
+    } else {
+      grip.motion.emplace();
+    }
   }
-  const auto corners =
-      std::make_shared<const CornerOffsets>(CornerField(body, slots, offsets).at_corners());
-  held.displacement_mm = [corners, &geometry](const Vec3d& rest_mm) {
-    return geometry.world_vector_from_index(between(*corners, geometry.index_from_world(rest_mm)));
-  };
-  return held;
 }
 
 /// The elements of a mesh by their slots in the body.
@@ -202,22 +107,23 @@ std::vector<FemGrip> fem_grips(const Body& body, HeldVoxels& found,
   require_two_sided(found);
   found.rest = without_sides(found.rest, "finite elements");
   std::vector<FemGrip> grips;
+  const auto add = [&](const SlotSet& slots, GripKind kind, int field) -> FemGrip& {
+    FemGrip& grip = grips.emplace_back(grip_of(body, slots));
+    grip.kind = kind;
+    grip.field = field;
+    if (kind <= GripKind::held) grip.motion.emplace();
+    return grip;
+  };
   const auto add_handles = [&](bool edges) {
-    for (const HeldHandle& handle : found.handles) {
-      if (handle.source->is_edge != edges) continue;
-      FemGrip& grip = grips.emplace_back(grip_of(body, handle.slots));
-      for (std::size_t n = 0; n < grip.offsets.size(); ++n) {
-        for (int c = 0; c < 3; ++c) {
-          grip.offsets[n][c] += handle.by(n)[std::size_t(c)] / kFixedOne;
-        }
-      }
+    for (std::size_t n = 0; n < found.handles.size(); ++n) {
+      if (found.handles[n].source->is_edge != edges) continue;
+      add(found.handles[n].slots, edges ? GripKind::edge : GripKind::handle, kFirstHandle + int(n));
+      move_by(body, found.handles[n], grips.back());
+      grips.back().handle = n;
     }
   };
   add_handles(false);
-  if (!found.fixed->empty()) {
-    grips.push_back(grip_of(body, *found.fixed));
-    grips.back().is_anchor = true;
-  }
+  if (!found.fixed->empty()) add(*found.fixed, GripKind::anchor, kAnchors);
   add_handles(true);
   SlotSet rest = found.rest.anchored;
   rest.remove(*found.fixed);
@@ -227,18 +133,11 @@ std::vector<FemGrip> fem_grips(const Body& body, HeldVoxels& found,
       if (rest.contains(slot)) slots.push_back(slot);
     });
     if (slots.empty()) continue;
-    grips.push_back(grip_of(body, SlotSet(std::move(slots))));
+    add(SlotSet(std::move(slots)), GripKind::held, kHeld);
     rest.remove(grips.back().slots);
   }
-  if (!rest.empty()) grips.push_back(grip_of(body, rest));
+  if (!rest.empty()) add(rest, GripKind::held, kHeld);
   return grips;
-}
-
-HeldElements held_at_end(const Body& body, const FemGrip& grip) {
-  return held_with(body, grip.slots, grip.offsets);
-}
-HeldElements held_at_start(const Body& body, const FemGrip& grip) {
-  return held_with(body, grip.slots, grip.start);
 }
 
 std::vector<FemReaction> sums_over(const std::vector<SlotSet>& elements,

@@ -1,12 +1,16 @@
 // What handles, anchors and earlier moves hold of the finite elements of a voxel body, and what its
 // solid gives back to it.
 //
-// What is held prescribes the corners of its voxels. Corners of an element follow its own offset
-// and, where its neighbours are held by the same, the slope of their offsets: a turn turns the
-// corners, too. The offset of a voxel is the mean of its eight corners; elements that are held get
-// exactly the offset that they were to have.
+// What is held prescribes the corners of its voxels, which turn and scale as it does
+// (held_corners.h). Of a corner that several hold, anchors come first, then what earlier moves left
+// held, then handles of this one, then their soft edges; rigid pieces before tissue of the same
+// kind. Several of one kind have it at their mean, weighted by their elements around it. The offset
+// of a voxel is the mean of its eight corners; elements that are held get exactly the offset that
+// they were to have, also where they share corners and the mean of these is another (GripReach).
 #pragma once
 
+#include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "lib/chainmail/held_voxels.h"
@@ -16,23 +20,47 @@ namespace supple {
 
 constexpr double kJoulePerMillijoule = 1e-3;
 
+/// Who has a corner that several hold: the first of these; of each, rigid pieces before tissue.
+enum class GripKind { anchor, held, handle, edge };
+
+/// A motion that grips know beside their offsets: up to the start of a move, and up to its end.
+struct GripMotion {
+  GridSteps before = kUnitSteps, after = kUnitSteps;
+  std::vector<Vec3d> from = {};  // offsets where it starts; empty: where the grip starts
+};
+
 /// Elements that go, or stay, together.
 struct FemGrip {
   SlotSet slots;
   std::vector<Vec3d> start, offsets;  // of each in voxels: where they are, and are to be
-  bool is_anchor = false;
+  GripKind kind = GripKind::held;
+  /// Grips of one field are parts of one motion: neighbours tell how their elements turn.
+  int field = 0;
+  std::optional<GripMotion> motion = {};
+  std::size_t handle = 0;  // of the move, where it is one
+
+  bool is_anchor() const { return kind == GripKind::anchor; }
+  /// Of its elements around a corner: the lowest has it. A piece of a handle is no edge.
+  int rank(bool is_piece) const {
+    return is_piece ? 2 * std::min(int(kind), int(GripKind::handle)) : 2 * int(kind) + 1;
+  }
 };
 
-/// Handles, anchors, edges of handles, then what earlier moves left held: a corner of several obeys
-/// the first. What of the last lies in a set of `told` is a grip of its own. Soft edges that
-/// earlier drags left are let go in `found`: where they go is the material's. Throws InputError for
-/// push handles, of this drag or still held: neither statics nor dynamics know sides.
+/// Handles, anchors, edges of handles, then what earlier moves left held. What of the last lies in
+/// a set of `told` is a grip of its own. Single voxels that only shift are points of one field.
+/// Soft edges that earlier drags left are let go in `found`: where they go is the material's.
+/// Throws InputError for push handles, of this drag or still held: neither statics nor dynamics
+/// know sides.
 std::vector<FemGrip> fem_grips(const Body& body, HeldVoxels& found,
                                const std::vector<SlotSet>& told);
 
-/// With the corners where the grip's elements are to be, or where they are; trilinear between them.
-HeldElements held_at_end(const Body& body, const FemGrip& grip);
-HeldElements held_at_start(const Body& body, const FemGrip& grip);
+/// A grip that has not all corners of its elements to itself: in the mean of its elements where it
+/// was to go and where it goes, in voxels, and by how much one of them is off at most.
+struct GripReach {
+  std::size_t grip;
+  Vec3d asked, reached;
+  double off_voxels;
+};
 
 /// Sums over what each of the sets holds, `of_grip` being those of the grips; the moment about the
 /// mean of their nodes.

@@ -1,5 +1,7 @@
 #include "lib/model/fem_model.h"
 
+#include "lib/fem/fem_results.h"
+#include "lib/model/held_corners.h"
 #include "lib/model/quasi_static.h"
 
 namespace supple {
@@ -15,6 +17,8 @@ ElasticTable material_elasticity(const MaterialTable& material) {
 }
 
 namespace {
+
+constexpr double kMjPerKpaMm3 = 1e-3;
 
 std::optional<RefinedShape> refined(const Body& body, int halvings) {
   if (halvings == 0) return std::nullopt;
@@ -67,14 +71,46 @@ void VoxelFemModel::move(const std::vector<Handle>& handles, int, Progress* prog
   const FixedElements fixed = fix(m_held.body, m_held.anchors);
   HeldVoxels found = hold(m_held.body, handles, fixed, m_held.holds);
   m_grips = fem_grips(m_held.body, found, m_told);
-  m_loads.held.clear();
-  for (const FemGrip& grip : m_grips) {
-    HeldElements& held = m_loads.held.emplace_back(held_at_end(m_held.body, grip));
-    if (m_refined) held.elements = m_refined->parts_of(held.elements, m_held.body.elements);
-  }
+  hold_corners();
   m_solution = m_model.solve(m_loads, m_params, progress, m_start.get());
+  m_solution.report.energy_mj -= false_energy_mj();
   found.rest.anchored.add(found.grabbed);
   m_held.holds = std::move(found.rest);
+}
+
+void VoxelFemModel::hold_corners() {
+  const RefinedShape* const refined = m_refined ? &*m_refined : nullptr;
+  const VoxelCorners corners(m_model.mesh(), m_held.body, refined);
+  const HeldCorners held(corners, m_grips, true);
+  m_loads.held = held.elements();
+  m_reaches = held.reaches();
+  if (refined == nullptr) return;
+  for (HeldElements& of_grip : m_loads.held) {
+    of_grip.elements = refined->parts_of(of_grip.elements, m_held.body.elements);
+  }
+}
+
+/// Linear theory takes the turn of a rigid piece for a strain.
+double VoxelFemModel::false_energy_mj() const {
+  if (m_params.strain == StrainTheory::finite || m_held.body.rigid.empty()) return 0;
+  const HexMesh& mesh = m_model.mesh();
+  const BrickTopology& elements = m_held.body.elements;
+  double density_kpa = 0;
+  const auto add = [&](std::int32_t element) {
+    density_kpa +=
+        element_state(mesh, m_model.material(), m_solution.u_mm, element).energy_density_kpa;
+  };
+  for (const FemGrip& grip : m_grips) {
+    grip.slots.for_each([&](Slot slot) {
+      if (m_held.body.rigid.at(slot) < 0) return;
+      if (!m_refined) {
+        add(element_at(mesh, slot / kBrickVoxels, int(slot % kBrickVoxels)));
+        return;
+      }
+      for (const std::int32_t part : m_refined->parts_of(mesh, voxel_of(elements, slot))) add(part);
+    });
+  }
+  return density_kpa * m_model.material().matrix.volume_mm3 * kMjPerKpaMm3;
 }
 
 ModelEnergy VoxelFemModel::energy() {
@@ -95,7 +131,7 @@ std::vector<FemReaction> VoxelFemModel::reactions(const std::vector<SlotSet>& el
 
 FemReaction VoxelFemModel::anchor_reaction() const {
   for (std::size_t n = 0; n < m_grips.size(); ++n) {
-    if (m_grips[n].is_anchor) return m_solution.reactions[n];
+    if (m_grips[n].is_anchor()) return m_solution.reactions[n];
   }
   return {};
 }

@@ -49,7 +49,10 @@ class VoxelFemModel final : public Model<Handle> {
   std::vector<FemReaction> reactions(const std::vector<SlotSet>& elements) const;
   /// Of anchors alone.
   FemReaction anchor_reaction() const;
-  /// Of the last move.
+  /// Grips of the last move that share corners, and grips() in their order.
+  const std::vector<GripReach>& reaches() const { return m_reaches; }
+  const std::vector<FemGrip>& grips() const { return m_grips; }
+  /// Of the last move. Its energy is without the false strain of rigid pieces that are held.
   const FemReport& report() const { return m_solution.report; }
   const FemModel& solid() const { return m_model; }
   /// The elements of its mesh that the voxels of the body consist of, in the order of the bricks;
@@ -59,6 +62,9 @@ class VoxelFemModel final : public Model<Handle> {
   const std::vector<double>& displacement_mm() const { return m_solution.u_mm; }
 
  private:
+  void hold_corners();
+  double false_energy_mj() const;
+
   HeldBody m_held;
   std::optional<RefinedShape> m_refined;
   FemModel m_model;
@@ -67,6 +73,7 @@ class VoxelFemModel final : public Model<Handle> {
   std::shared_ptr<const NodeStart> m_start;
   std::vector<SlotSet> m_told;
   std::vector<FemGrip> m_grips;  // of the last move, in the order of its held elements
+  std::vector<GripReach> m_reaches;
   FemSolution m_solution;
 };
 

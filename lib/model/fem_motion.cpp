@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lib/model/held_corners.h"
 #include "lib/model/quasi_static.h"
 
 namespace supple {
@@ -12,10 +13,14 @@ bool is_zero(const std::vector<Vec3d>& values) {
   return std::all_of(values.begin(), values.end(), [](const Vec3d& of) { return of == Vec3d(0); });
 }
 
+bool is_held(const NodalLoads& loads, std::size_t n) {
+  return (loads.held[n / 3] >> n % 3 & 1) != 0;
+}
+
 /// The values of held components, where `loads` has them.
 void take_held(const NodalLoads& loads, std::vector<double>& values) {
   for (std::size_t n = 0; n < values.size(); ++n) {
-    if ((loads.held[n / 3] >> n % 3 & 1) != 0) values[n] = loads.u_mm[n];
+    if (is_held(loads, n)) values[n] = loads.u_mm[n];
   }
 }
 
@@ -30,7 +35,7 @@ VoxelFemMotion::VoxelFemMotion(const HeldBody& held, FemMotionParams params, con
   m_params.damping.validate();
 }
 
-FemNodes VoxelFemMotion::nodes_of_body() const {
+FemNodes VoxelFemMotion::nodes_of_body(const NodalLoads& held) const {
   const HexMesh& mesh = m_model.mesh();
   const Body& body = m_held.body;
   const std::vector<Vec3d> moved = element_displacements(mesh, body);
@@ -40,6 +45,7 @@ FemNodes VoxelFemMotion::nodes_of_body() const {
     nodes = m_start;
   } else {
     nodes.u_mm = at_nodes(mesh, body, moved);
+    take_held(held, nodes.u_mm);
     if (!is_zero(velocities)) nodes.v_mm_s = at_nodes(mesh, body, velocities);
   }
   if (nodes.v_mm_s.empty()) nodes.v_mm_s.assign(nodes.u_mm.size(), 0.0);
@@ -52,16 +58,20 @@ void VoxelFemMotion::move(const std::vector<Handle>& handles, int steps, Progres
   const FixedElements fixed = fix(body, m_held.anchors);
   HeldVoxels found = hold(body, handles, fixed, m_held.holds);
   m_grips = fem_grips(body, found, m_told);
+  const VoxelCorners corners(mesh, body, nullptr);
+  const HeldCorners at_end(corners, m_grips, true);
+  m_reaches = at_end.reaches();
+  m_params.loads.held = at_end.elements();
   FemLoads start;  // where what is held begins
-  m_params.loads.held.clear();
-  for (const FemGrip& grip : m_grips) {
-    start.held.push_back(held_at_start(body, grip));
-    m_params.loads.held.push_back(held_at_end(body, grip));
-  }
-  FemNodes nodes = nodes_of_body();
+  start.held = HeldCorners(corners, m_grips, false).elements();
+  const NodalLoads before = nodal_loads(mesh, m_model.material(), start);
+  FemNodes nodes = nodes_of_body(before);
   std::vector<double>& u = nodes.u_mm;
-  take_held(nodal_loads(mesh, m_model.material(), start), u);
   NodalLoads loads = nodal_loads(mesh, m_model.material(), m_params.loads);
+  // What is held where it is stays exactly there.
+  for (std::size_t n = 0; n < u.size(); ++n) {
+    if (is_held(loads, n) && loads.u_mm[n] == before.u_mm[n]) loads.u_mm[n] = u[n];
+  }
   const HeldBits by_grips = loads.held;
   const bool holds_some = !m_grips.empty();
   m_loose =
@@ -109,7 +119,7 @@ std::vector<FemReaction> VoxelFemMotion::reactions(const std::vector<SlotSet>& e
 
 FemReaction VoxelFemMotion::anchor_reaction() const {
   const auto anchors = std::find_if(m_grips.begin(), m_grips.end(),
-                                    [](const FemGrip& grip) { return grip.is_anchor; });
+                                    [](const FemGrip& grip) { return grip.is_anchor(); });
   if (anchors == m_grips.end()) return {};
   return reactions({anchors->slots}).front();
 }

@@ -63,6 +63,9 @@ class VoxelFemMotion final : public Model<Handle> {
   /// As VoxelFemModel's, of this moment.
   std::vector<FemReaction> reactions(const std::vector<SlotSet>& elements) const;
   FemReaction anchor_reaction() const;
+  /// As VoxelFemModel's, of the end of the handles' ways.
+  const std::vector<GripReach>& reaches() const { return m_reaches; }
+  const std::vector<FemGrip>& grips() const { return m_grips; }
   const Newmark& motion() const { return *m_newmark; }
   const FemModel& solid() const { return m_model; }
   /// Pieces that nothing holds, and how many of them stay where they are therefore.
@@ -71,12 +74,14 @@ class VoxelFemMotion final : public Model<Handle> {
   std::size_t bytes() const { return m_model.bytes() + m_newmark->bytes(); }
 
  private:
-  FemNodes nodes_of_body() const;
+  /// With those that are held where `held` has them, unless all are known.
+  FemNodes nodes_of_body(const NodalLoads& held) const;
   HeldBody m_held;
   FemModel m_model;
   FemMotionParams m_params;
   std::vector<SlotSet> m_told;
   std::vector<FemGrip> m_grips;
+  std::vector<GripReach> m_reaches;
   std::unique_ptr<Newmark> m_newmark;
   LooseCount m_loose;
   FemNodes m_start;

@@ -21,6 +21,8 @@ class RefinedShape {
 
   /// Elements, classes, cuts and geometry; at rest.
   const Body& body() const { return m_fine; }
+  /// Of each edge of a voxel.
+  int parts() const { return m_parts; }
 
   /// The elements that a set of the body consists of, whose elements are `coarse`.
   SlotSet parts_of(const SlotSet& set, const BrickTopology& coarse) const;

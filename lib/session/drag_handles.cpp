@@ -30,6 +30,12 @@ void shorten(Handle& handle, double part) {
   for (auto& each : handle.each_by_q) {
     for (std::int32_t& by : each) by = part_of(by, part);
   }
+  if (!handle.steps || part == 1) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vec3d& step = handle.steps->after[axis];
+    const Vec3d& before = handle.steps->before[axis];
+    step = before + (step - before) * part;
+  }
 }
 
 const Body& start_of(const HandleSurroundings& around) {
@@ -72,6 +78,16 @@ void go_on(Handle& handle, const SlotSet& slots, const Displacements& earlier,
   handle.each_by_q = is_even ? Displacements() : std::move(ways);
 }
 
+/// Of a motion that the drags at the pose before have begun from `start`.
+StepMotion begun_at(const Body& start, const SlotSet& slots, const GridSteps& before,
+                    const GridSteps& after) {
+  StepMotion steps{before, after, {}};
+  slots.for_each([&](Slot slot) {
+    steps.start_q.push_back({start.q[0].at(slot), start.q[1].at(slot), start.q[2].at(slot)});
+  });
+  return steps;
+}
+
 /// The elements of a drag that no rigid piece has, and the pieces that it is the first to take.
 void add_grabbed(const Drag& drag, std::size_t number, const Region& region,
                  const HandleMotion& motion, const HandleSurroundings& around,
@@ -97,11 +113,14 @@ void add_grabbed(const Drag& drag, std::size_t number, const Region& region,
   if (is_left) {
     if (!motion.is_shift()) {
       handle.each_by_q = displacements_of(start_of(around), slots, motion, drag.by_mm);
+      handle.steps = StepMotion{kUnitSteps, steps_of(motion, body.geometry), {}};
     }
     if (around.start != nullptr) {
       const Drag& before = (*around.earlier)[number];
       const HandleMotion earlier = centred(before.motion, before, region, around);
       go_on(handle, slots, displacements_of(*around.start, slots, earlier, before.by_mm), around);
+      handle.steps = begun_at(*around.start, slots, steps_of(earlier, body.geometry),
+                              steps_of(motion, body.geometry));
     }
     shorten(handle, around.part);
     handles.push_back(std::move(handle));

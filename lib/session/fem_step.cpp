@@ -53,6 +53,7 @@ FemLoads loads_of(const FemStep& step, const FemTask& task, const FemSolid& soli
 
 void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
   const FemReport& report = record.report;
+  warn_of_shared(record.shared, progress);
   if (report.loose_islands > 0) {
     warn(progress, "finite elements: nothing holds " + with_count(report.loose_islands, "island") +
                        " of " + with_count(report.loose_elements, "element") +
@@ -131,6 +132,7 @@ int move_apart(const FemStep& step, const FemTask& task, const std::vector<Handl
     model.move(all, 1, progress);
     model.store();
     iterations += model.report().iterations;
+    record.shared = shared_handles(model.reaches(), model.grips(), all, body.geometry);
     if (step.keeps_nodes && step.halvings == 0) {
       record.nodes.elements_mm = element_displacements(model.solid().mesh(), body);
     }
@@ -199,6 +201,7 @@ void move_in_time(const FemStep& step, const FemTask& task, const FemSolid& soli
   model.tell_of(task.gripped);
   model.start_from(task.nodes);
   record.motion = run_motion(motion, model, task.held.body, handles, task.gripped, progress);
+  record.shared = shared_handles(model.reaches(), model.grips(), handles, task.held.body.geometry);
   const std::vector<double>& u = model.motion().u_mm();
   FemReport& report = record.report;
   report.elements = model.solid().mesh().element_count();

@@ -14,6 +14,7 @@
 #include "lib/session/fem/element_results.h"
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/motion_step.h"
+#include "lib/session/fem/shared_handles.h"
 #include "lib/session/selection.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
@@ -58,6 +59,7 @@ struct FemRecord {
   LinkCheck links;                     // what ChainMail's limits say of the result
   std::vector<FemReaction> reactions;  // of `gripped`
   FemReaction anchors;
+  std::vector<SharedHandle> shared;
   /// Free rigid pieces whose elements the nearest rigid pose replaced, and by how much at most.
   std::int64_t fitted_pieces = 0;
   double fitted_max_voxels = 0;

@@ -55,4 +55,14 @@ Displacements displacements_of(const Body& body, const SlotSet& slots, const Han
   return displacements;
 }
 
+GridSteps steps_of(const HandleMotion& motion, const Geometry& geometry) {
+  const Turn turn = turn_about(motion.axis_lps, motion.angle_deg);
+  GridSteps steps;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Vec3d image = turn(scaled(geometry.axes_mm()[axis], motion, geometry));
+    steps[axis] = geometry.index_vector_from_world(image);
+  }
+  return steps;
+}
+
 }  // namespace supple

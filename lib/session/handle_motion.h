@@ -35,4 +35,7 @@ Vec3d centre_lps_mm(const Body& body, const SlotSet& slots);
 Displacements displacements_of(const Body& body, const SlotSet& slots, const HandleMotion& motion,
                                const Vec3d& by_mm, const std::vector<double>& parts = {});
 
+/// What the motion makes of steps between places where it starts.
+GridSteps steps_of(const HandleMotion& motion, const Geometry& geometry);
+
 }  // namespace supple

@@ -136,6 +136,12 @@ Handle handle_at(const Body& body, const RigidPiece& piece, const RigidPose& pos
   Handle handle(region_of(*piece.elements, body.elements, "rigid " + piece.name), {0, 0, 0});
   RigidPiece moved = piece;
   moved.pose = pose;
+  const Turn turn = pose.turn * piece.pose.turn.inverse();
+  handle.steps.emplace();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    handle.steps->after[axis] =
+        body.geometry.index_vector_from_world(turn(body.geometry.axes_mm()[axis]));
+  }
   const PoseOffsets offsets(body.geometry, moved);
   piece.elements->for_each([&](Slot slot) {
     const Vec3i voxel = voxel_of(body.elements, slot);

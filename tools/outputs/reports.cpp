@@ -146,6 +146,12 @@ nlohmann::ordered_json to_json(const FemRecord& record) {
     }
     json["motion"] = to_json(*record.motion);
   }
+  for (const SharedHandle& shared : record.shared) {
+    json["shared_handles"].push_back({{"grab", shared.name},
+                                      {"asked_mm", vector_json(shared.asked_mm)},
+                                      {"reached_mm", vector_json(shared.reached_mm)},
+                                      {"off_voxels", shared.off_voxels}});
+  }
   if (report.newton) {
     const NewtonReport& newton = *report.newton;
     json["newton"] = {{"load_steps", newton.load_steps},

@@ -1,0 +1,29 @@
+// Handles that have not all corners of their elements to themselves (lib/model/fem_grips.h).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "lib/model/fem_grips.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// A handle beside others, or beside what is held, that does not reach its place: offsets from rest
+/// of its elements, in the mean.
+struct SharedHandle {
+  std::string name;
+  Vec3d asked_mm{0, 0, 0}, reached_mm{0, 0, 0};  // LPS
+  double off_voxels = 0;                         // of an element, at most
+};
+
+/// Soft edges are left out: they promise no place.
+std::vector<SharedHandle> shared_handles(const std::vector<GripReach>& reaches,
+                                         const std::vector<FemGrip>& grips,
+                                         const std::vector<Handle>& handles,
+                                         const Geometry& geometry);
+
+/// Says how many there are, and where the worst is.
+void warn_of_shared(const std::vector<SharedHandle>& shared, Progress* progress);
+
+}  // namespace supple
