@@ -102,23 +102,26 @@ openvdb::GridBase::Ptr make_numbers(const char* name, const State& state,
   });
 }
 
-/// A vector field in voxels of the index frame as a grid in mm LPS.
-openvdb::GridBase::Ptr make_vectors(const char* name, const char* direction,
-                                    const VectorBricks& field, const Geometry& geometry) {
-  auto grid = make_vdb_grid<openvdb::Vec3SGrid>(
+/// A vector field in voxels of the index frame as a grid in mm LPS. Field and geometry have to last
+/// until it is written.
+OutgoingGrid make_vectors(const char* name, const char* direction, const VectorBricks& field,
+                          const Geometry& geometry) {
+  OutgoingGrid vectors = make_outgoing_grid<openvdb::Vec3SGrid>(
       name, field.topology, openvdb::Vec3f(0), [&](auto& leaf, std::size_t b) {
+        const Vec3f* const of_brick = field.vectors.brick_or_zero(b);
         for_each_active(field.topology.mask(b), [&](int offset) {
-          const Vec3f& v = field.vectors.brick_or_zero(b)[offset];
+          const Vec3f& v = of_brick[offset];
           const Vec3f mm(geometry.world_vector_from_index(Vec3d(v)));
           leaf.setValueOn(openvdb::Index(offset), openvdb::Vec3f(mm.x, mm.y, mm.z));
         });
       });
-  grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
-  grid->insertMeta("direction", openvdb::StringMetadata(direction));
-  grid->insertMeta("units", openvdb::StringMetadata("mm"));
-  grid->insertMeta("frame", openvdb::StringMetadata("LPS"));
-  attach_affine(*grid, geometry);
-  return grid;
+  openvdb::GridBase& grid = *vectors.grid;
+  grid.setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  grid.insertMeta("direction", openvdb::StringMetadata(direction));
+  grid.insertMeta("units", openvdb::StringMetadata("mm"));
+  grid.insertMeta("frame", openvdb::StringMetadata("LPS"));
+  attach_affine(grid, geometry);
+  return vectors;
 }
 
 openvdb::MetaMap make_metadata(const State& state) {
@@ -143,20 +146,24 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
                 Progress* progress) {
   if (progress != nullptr) progress->stage("writing state");
   check_state(state, path);
-  openvdb::GridCPtrVec grids = {make_fixed(kFixedGrid, state, state.q), make_element_mask(state),
-                                make_density(state.density)};
-  if (state.beyond) grids.push_back(make_fixed(kBeyondGrid, state, *state.beyond));
+  std::vector<OutgoingGrid> grids;
+  const auto add = [&](openvdb::GridBase::Ptr grid) {
+    grids.push_back({std::move(grid), nullptr});
+  };
+  add(make_fixed(kFixedGrid, state, state.q));
+  add(make_element_mask(state));
+  add(make_density(state.density));
+  if (state.beyond) add(make_fixed(kBeyondGrid, state, *state.beyond));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (is_empty(state.rest[axis])) continue;
-    grids.push_back(make_fixed(rest_name(int(axis)), state, state.rest[axis]));
+    add(make_fixed(rest_name(int(axis)), state, state.rest[axis]));
   }
-  if (!is_empty(state.velocity_mm_s)) grids.push_back(make_velocity(state));
-  if (!state.cuts.empty()) grids.push_back(make_cut_links(state));
-  if (!label_counts(state.labels).empty())
-    grids.push_back(make_numbers(kLabelGrid, state, state.labels));
-  if (!state.piece_texts.empty()) grids.push_back(make_numbers(kPieceGrid, state, state.pieces));
-  grids.push_back(make_vectors(kDisplacementGrid, "material", extended_displacement_of(state).u,
-                               state.geometry));
+  if (!is_empty(state.velocity_mm_s)) add(make_velocity(state));
+  if (!state.cuts.empty()) add(make_cut_links(state));
+  if (!label_counts(state.labels).empty()) add(make_numbers(kLabelGrid, state, state.labels));
+  if (!state.piece_texts.empty()) add(make_numbers(kPieceGrid, state, state.pieces));
+  const Displacement displacement = extended_displacement_of(state);
+  grids.push_back(make_vectors(kDisplacementGrid, "material", displacement.u, state.geometry));
   if (offsets != nullptr) {
     grids.push_back(make_vectors(kOffsetGrid, "resample", offsets->o, offsets->geometry));
   }

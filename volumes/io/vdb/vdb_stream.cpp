@@ -9,7 +9,6 @@
 
 #include <openvdb/io/Archive.h>
 #include <openvdb/io/GridDescriptor.h>
-#include <openvdb/io/Stream.h>
 #include <openvdb/util/logging.h>
 
 #include "volumes/base/error.h"
@@ -76,23 +75,53 @@ class GridArchive : public openvdb::io::Archive {
   VdbTrust m_trust;
 };
 
-void write_throwing(const std::string& path, const openvdb::GridCPtrVec& grids,
+/// The steps of io::Stream, grid by grid.
+class GridWriter : public openvdb::io::Archive {
+ public:
+  GridWriter() {
+    setCompression(
+        openvdb::io::COMPRESS_ACTIVE_MASK |
+        (hasBloscCompression() ? openvdb::io::COMPRESS_BLOSC : openvdb::io::COMPRESS_NONE));
+    setGridStatsMetadataEnabled(false);
+  }
+
+  void write_all(std::ostream& out, const std::vector<OutgoingGrid>& grids,
+                 const openvdb::MetaMap& metadata) const {
+    writeHeader(out, /*seekable=*/false);
+    metadata.writeMeta(out);
+    const auto count = std::int32_t(grids.size());
+    out.write(reinterpret_cast<const char*>(&count), sizeof count);
+    for (const OutgoingGrid& outgoing : grids) write_grid(out, outgoing);
+  }
+
+ private:
+  /// What writeGrid() does, but for the leaves where they are given.
+  void write_grid(std::ostream& out, const OutgoingGrid& outgoing) const {
+    const openvdb::GridBase& grid = *outgoing.grid;
+    openvdb::io::GridDescriptor descriptor(grid.getName(), grid.type(), grid.saveFloatAsHalf());
+    if (!outgoing.write_leaves) return writeGrid(descriptor, outgoing.grid, out, false);
+    descriptor.writeHeader(out);
+    descriptor.writeStreamPos(out);
+    setGridCompression(out, grid);
+    grid.writeMeta(out);
+    grid.writeTransform(out);
+    grid.writeTopology(out);
+    outgoing.write_leaves(out);
+  }
+};
+
+void write_throwing(const std::string& path, const std::vector<OutgoingGrid>& grids,
                     const openvdb::MetaMap& metadata) {
   require_memory(kWorkingBytes);
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   out.exceptions(std::ios::failbit | std::ios::badbit);
-  openvdb::io::Stream stream(out);
-  const bool blosc = openvdb::io::Archive::hasBloscCompression();
-  stream.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK |
-                        (blosc ? openvdb::io::COMPRESS_BLOSC : openvdb::io::COMPRESS_NONE));
-  stream.setGridStatsMetadataEnabled(false);
-  stream.write(grids, metadata);
+  GridWriter().write_all(out, grids, metadata);
   out.close();
 }
 
 }  // namespace
 
-void write_vdb_stream(const AtomicFile& file, const openvdb::GridCPtrVec& grids,
+void write_vdb_stream(const AtomicFile& file, const std::vector<OutgoingGrid>& grids,
                       const openvdb::MetaMap& metadata) {
   errno = 0;
   try {

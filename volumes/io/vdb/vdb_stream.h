@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,12 +46,49 @@ typename Grid::Ptr make_vdb_grid(const char* name, const BrickTopology& bricks,
   return grid;
 }
 
+/// A grid on its way into a file. Where `write_leaves` is given, the leaves of the grid have masks
+/// and no values: these are made one leaf after the other while the file is written.
+struct OutgoingGrid {
+  openvdb::GridBase::Ptr grid;
+  std::function<void(std::ostream&)> write_leaves;
+};
+
+/// As make_vdb_grid(), for grids that are written and not read: `fill(leaf, b)` is asked for the
+/// values of all active voxels of a brick when its leaf is written, by one thread. `bricks` and all
+/// that `fill` refers to have to last until then. Cost: some 150 bytes per brick.
+template <class Grid, class Fill>
+OutgoingGrid make_outgoing_grid(const char* name, const BrickTopology& bricks,
+                                const typename Grid::ValueType& background, Fill fill) {
+  using Leaf = typename Grid::TreeType::LeafNodeType;
+  auto grid = make_grid<Grid>(background);
+  grid->setName(name);
+  for (std::size_t b = 0; b < bricks.brick_count(); ++b) {
+    if (mask_count(bricks.mask(b)) == 0) continue;
+    auto leaf = std::make_unique<Leaf>(openvdb::PartialCreate(), to_coord(bricks.origin(b)),
+                                       background, false);
+    for (int word = 0; word < 8; ++word) {
+      leaf->getValueMask().template getWord<openvdb::Index64>(openvdb::Index(word)) =
+          bricks.mask(b)[std::size_t(word)];
+    }
+    grid->tree().addLeaf(leaf.release());
+  }
+  const Grid* const made = grid.get();
+  const auto write = [=, &bricks](std::ostream& out) {
+    for (auto place = made->tree().cbeginLeaf(); place; ++place) {
+      Leaf leaf(place->origin(), background);
+      fill(leaf, std::size_t(bricks.find(to_vec(place->origin()))));
+      leaf.writeBuffers(out, made->saveFloatAsHalf());
+    }
+  };
+  return {std::move(grid), write};
+}
+
 /// Attaches the affine to LPS mm; a geometry that OpenVDB refuses (tiny voxels) stays in index
 /// space.
 void attach_affine(openvdb::GridBase& grid, const Geometry& geometry);
 
 /// Writes a complete stream to the temporary name. Throws SystemError.
-void write_vdb_stream(const AtomicFile& file, const openvdb::GridCPtrVec& grids,
+void write_vdb_stream(const AtomicFile& file, const std::vector<OutgoingGrid>& grids,
                       const openvdb::MetaMap& metadata);
 
 struct VdbContent {

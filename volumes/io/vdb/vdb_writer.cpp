@@ -51,7 +51,7 @@ class VdbWriter : public DenseWriter {
   }
 
   void commit() override {
-    write_vdb_stream(m_file, {make_grid()}, make_metadata());
+    write_vdb_stream(m_file, {{make_grid(), nullptr}}, make_metadata());
     seal_vdb(m_file.path(), VdbKind::volume);
     m_file.commit();
   }
