@@ -12,6 +12,7 @@
 #include "tools/console/parse.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/plan/memory_need.h"
 #include "tools/plan/planned_run.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"
@@ -227,6 +228,7 @@ int run_deform(DeformOptions& options, const GlobalOptions& global, Console& con
   const OutputPlan plan = check_scene(scene, "", global.overwriting(options.dry_run));
   if (options.dry_run) return tell_plan(scene, "", global, console);
   console.claim(plan.files());
+  require_memory_to_run(scene, &console);
   SceneRun run(scene, "", true, console);
   require_memory(scene, run, console);
   run.run();

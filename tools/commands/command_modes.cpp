@@ -10,6 +10,7 @@
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
 #include "tools/pictures/picture_options.h"
+#include "tools/plan/memory_need.h"
 #include "tools/scene/run_step.h"
 
 namespace supple::tools {
@@ -72,6 +73,7 @@ int run_modes(ModesOptions& options, const GlobalOptions& global, Console& conso
   OutputPlan plan = check_scene(scene, "", global);
   for (const std::string& file : files) plan.add_state(file);
   console.claim(plan.files());
+  require_memory_to_open(scene, &console);
   Session session(scene.volume_path, {scene.material, scene.labels_path, scene.read}, &console);
   check_places(scene, session.geometry());
   const StepRecord& record = run_step(session, scene.steps.front(), false, &console);

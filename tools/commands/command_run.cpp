@@ -11,6 +11,7 @@
 #include "tools/outputs/film_record.h"
 #include "tools/outputs/reports.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/plan/memory_need.h"
 #include "tools/plan/plan_text.h"
 #include "tools/plan/planned_run.h"
 #include "tools/scene/draw_method.h"
@@ -139,6 +140,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
     return kOk;
   }
   console.claim(plan.files());
+  require_memory_to_run(scene, &console);
   SceneRun run(scene, options.folder, global.json, console);
   require_memory(scene, run, console);
   std::optional<ScenePlan> scene_plan;

@@ -5,6 +5,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/plan/memory_need.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
@@ -33,7 +34,10 @@ int run_slice(SliceOptions& options, const GlobalOptions& global, Console& conso
   if (options.undeformed) given.set("view", "deformed", "false", "--undeformed");
   const Scene scene = read_scene(given.scene());
   console.claim(check_scene(scene, "", global).files());
-  SceneRun(scene, "", false, console).run();
+  require_memory_to_run(scene, &console);
+  SceneRun run(scene, "", false, console);
+  require_memory(scene, run, console);
+  run.run();
   return kOk;
 }
 

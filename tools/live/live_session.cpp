@@ -8,6 +8,7 @@
 #include "tools/live/held_parts.h"
 #include "tools/live/live_record.h"
 #include "tools/live/model_price.h"
+#include "tools/plan/memory_need.h"
 #include "tools/scene/run_step.h"
 
 namespace supple::tools {
@@ -47,6 +48,7 @@ LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(re
   choose_view(root, progress);
   read_events(root);
   const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, true};
+  require_memory_to_open(m_scene, progress);
   m_session = std::make_unique<Session>(m_scene.volume_path, options, progress);
   if (m_session->geometry().dims().z == 1) {
     throw InputError({m_scene.volume_path, "", "one slice", "a volume of several slices"});

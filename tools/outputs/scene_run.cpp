@@ -24,12 +24,6 @@ bool writes_fields(const SceneOutput& output) {
            output.volumes.empty());
 }
 
-/// Whether there is a body to build: something moves, or is written, or a material makes one.
-bool needs_body(const Scene& scene) {
-  if (!scene.steps.empty() || writes_fields(scene.output)) return true;
-  return scene.material || !scene.labels_path.empty();
-}
-
 /// Throws InputError where a warp is asked for beside what moves by itself.
 void require_no_warp(const Scene& scene, const std::string& found) {
   if (scene.warp_path.empty()) return;
@@ -78,6 +72,11 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, const Glob
     plan_outputs(scene.output, folder, plan);
   }
   return plan;
+}
+
+bool needs_body(const Scene& scene) {
+  if (!scene.steps.empty() || writes_fields(scene.output)) return true;
+  return scene.material || !scene.labels_path.empty();
 }
 
 void check_places(const Scene& scene, const Geometry& geometry) {

@@ -38,6 +38,9 @@ bool reads_inverse(const Scene& scene);
 std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int step,
                                                      const Geometry& geometry);
 
+/// Whether there is a body to build: something moves, or is written, or a material makes one.
+bool needs_body(const Scene& scene);
+
 /// How the body of a scene is opened.
 SessionOptions session_options(const Scene& scene);
 

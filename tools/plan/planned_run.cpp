@@ -1,6 +1,5 @@
 #include "tools/plan/planned_run.h"
 
-#include <algorithm>
 #include <cstdio>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +7,7 @@
 #include "tools/console/command.h"
 #include "tools/console/own_process.h"
 #include "tools/outputs/reports.h"
+#include "tools/plan/memory_need.h"
 #include "tools/plan/plan_text.h"
 #include "volumes/base/error.h"
 
@@ -19,12 +19,6 @@ std::size_t fixed_count(const SceneStep& step) {
   std::size_t points = 0;
   for (const PointFile& file : step.fix_points) points += file.rows.size();
   return step.fix.size() + step.fix_labels.size() + points;
-}
-
-std::string gigabytes(double mb) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f GB", mb / 1000);
-  return text;
 }
 
 void print_scene(const Scene& scene, const std::string& folder, const SceneRun& run) {
@@ -54,28 +48,6 @@ ScenePlan plan_of(const Scene& scene, const SceneRun& run, Console& console) {
   const State state = run.opened();
   return plan_scene(scene, {run.session(), state, loading_seconds(), open_s, held_mb, peak_mb},
                     read_costs(calibration_file()));
-}
-
-void require_memory(const Scene& scene, const SceneRun& run, Console& console) {
-  constexpr double kSmallPart = 0.01;
-  const double held_mb = rss_mb(), there_mb = held_mb + memory_left_mb();
-  if (held_mb < kSmallPart * there_mb) return;
-  const ScenePlan plan = plan_of(scene, run, console);
-  if (plan.peak_mb <= there_mb) return;
-  const auto needs = [](const PlanRow& row) { return row.held_mb + row.brief_mb; };
-  const auto largest =
-      std::max_element(plan.rows.begin(), plan.rows.end(),
-                       [&](const PlanRow& a, const PlanRow& b) { return needs(a) < needs(b); });
-  std::string line = scene.volume_path + ": the run needs " + gigabytes(plan.peak_mb) +
-                     " of memory, most of it for " + largest->stage + " (" +
-                     gigabytes(needs(*largest)) + "), and " + gigabytes(there_mb) + " are there";
-  if (!scene.output.state.empty()) {
-    Scene stateless = scene;
-    stateless.output.state.clear();
-    line += "; without a state (a scene of pictures, warps and volumes) it needs " +
-            gigabytes(plan_of(stateless, run, console).peak_mb);
-  }
-  throw SystemError(line);
 }
 
 double planned_solve_s(const Scene& scene, const Session& session) {
@@ -111,6 +83,7 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder,
 
 int tell_plan(const Scene& scene, const std::string& folder, const GlobalOptions& global,
               Console& console) {
+  require_memory_to_open(scene, &console);
   const SceneRun run(scene, folder, false, console);
   run.check_steps();
   const ScenePlan plan = plan_of(scene, run, console);

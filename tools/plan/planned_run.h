@@ -15,11 +15,6 @@ namespace supple::tools {
 /// With the costs of the user's calibration. Throws InputError where that is damaged.
 ScenePlan plan_of(const Scene& scene, const SceneRun& run, Console& console);
 
-/// Ends a run that has opened its volume and will need more memory than there is, before it solves
-/// anything. Plans only where what is open takes a hundredth of that. Throws SystemError, which
-/// says what the run needs most of it for, and what it would need without a state.
-void require_memory(const Scene& scene, const SceneRun& run, Console& console);
-
 /// Seconds that the steps of a scene take in the session of its volume, which has taken none of
 /// them. Throws InputError where the calibration is damaged.
 double planned_solve_s(const Scene& scene, const Session& session);

@@ -14,6 +14,7 @@ namespace supple::tools {
 
 namespace {
 
+constexpr double kGridBytes = 2300, kBodyBytes = 600;           // of a brick that is opened
 constexpr double kSourceBytes = 2 * SourceBricks::kBrickNodes;  // of a brick that rays read
 constexpr double kNodeBytes = 8748, kHalfNodeBytes = 1500;      // of a deformed one
 constexpr double kTableBytes = 75;        // of any brick in the tables of a renderer
@@ -24,8 +25,10 @@ constexpr double kInvertBytes = 600;      // of a brick that moves while it is i
 constexpr double kRestBytes = 30;         // of any other then
 constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a PNG file
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
-constexpr double kGridBrickBytes = 6300;  // of a grid of vectors in a state
-constexpr double kPathBricks = 2.4;       // that a sampling path fills, of those of the volume
+// Of a state while it is written: a brick of coordinates that moved, and any brick of elements,
+// displacements and offsets, whose values are made one after the other.
+constexpr double kMovedGridBytes = 6300, kElementGridBytes = 200, kLeafBytes = 170;
+constexpr double kPathBricks = 2.4;  // that a sampling path fills, of those of the volume
 constexpr double kSplitNs = 3e6, kSplitBytes = 350e3;  // of a brick beside a cut
 constexpr double kCutSample = 4, kCubicSample = 4;     // in usual samples
 /// Frames of a film find the memory of those before them in pieces.
@@ -63,14 +66,24 @@ class ScenePlanner {
   void plan();
 
  private:
-  double density_bricks() const { return double(m_subject.state.density.bricks().brick_count()); }
-  double element_bricks() const { return double(m_subject.state.elements.brick_count()); }
+  double density_bricks() const {
+    return m_subject.expected ? m_subject.expected->kept
+                              : double(m_subject.state.density.bricks().brick_count());
+  }
+  double element_bricks() const {
+    return m_subject.expected ? m_subject.expected->kept
+                              : double(m_subject.state.elements.brick_count());
+  }
+  bool has_body() const {
+    return m_subject.session != nullptr || (m_subject.expected && needs_body(m_scene));
+  }
   double frames() const { return m_scene.film ? double(m_scene.film->frames_to_make.size()) : 1; }
   void add(const std::string& stage, const std::string& what, const std::string& why,
            double held_bytes, double brief_bytes, double ns) {
     m_ledger.add({stage, what, why, held_bytes / kMegabyte, brief_bytes / kMegabyte, ns * 1e-9});
   }
   void plan_subject();
+  void plan_expected(const ExpectedBricks& expected);
   void plan_steps();
   void plan_pose();
   std::string asks_for_displacement() const;
@@ -96,8 +109,20 @@ class ScenePlanner {
   double m_inverted_bricks = 0;
 };
 
+/// Reading holds every brick that may be kept.
+void ScenePlanner::plan_expected(const ExpectedBricks& expected) {
+  add("reading", "reading " + bricks_text(expected.read), "the volume is read", 0,
+      expected.read * kGridBytes + expected.reading_bytes, 0);
+  add("opening", "densities of " + bricks_text(expected.kept), "the volume is read",
+      expected.kept * kGridBytes, 0, 0);
+  if (!has_body()) return;
+  add("opening", "elements in " + bricks_text(expected.kept), "what the material makes tissue",
+      expected.kept * kBodyBytes, 0, 0);
+}
+
 /// Held already: a part of what the process holds now.
 void ScenePlanner::plan_subject() {
+  if (m_subject.expected) return plan_expected(*m_subject.expected);
   const State& state = m_subject.state;
   const double grid_mb = double(state.density.bytes()) / kMegabyte;
   const double body_mb =
@@ -187,7 +212,7 @@ double ScenePlanner::seen_part(int step) const {
 }
 
 void ScenePlanner::plan_pose() {
-  if (m_subject.session == nullptr) return;
+  if (!has_body()) return;
   const std::string reads_u = asks_for_displacement(), reads_o = asks_for_inverse();
   if (reads_u.empty()) {
     m_ledger.leave_out("displacement of voxels", "no view and no output shows the body moved");
@@ -249,8 +274,10 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
   RenderSettings settings = view_settings(view);
   SceneView plain = view;
   plain.fit.clear();
-  const PictureWork work = picture_work(state.density, state.geometry, camera_of(at_rest, plain),
-                                        look_of(view), settings);
+  const PictureWork work = m_subject.expected
+                               ? PictureWork{0, 0}
+                               : picture_work(state.density, state.geometry,
+                                              camera_of(at_rest, plain), look_of(view), settings);
   const double samples = work.samples;
   const double pixels = double(view.size[0]) * view.size[1];
   const bool is_cubic = view.sampling.interpolation != Interpolation::linear;
@@ -315,10 +342,9 @@ void ScenePlanner::plan_dense(const std::string& name, const std::string& what,
 void ScenePlanner::plan_outputs() {
   const SceneOutput& output = m_scene.output;
   if (!output.state.empty()) {
-    const double coordinates = element_bricks() * kGridBrickBytes;
-    const double offsets = density_bricks() * kGridBrickBytes;
     add("output " + output.state, "densities, coordinates and offsets", "[output]", once(kVdbCode),
-        coordinates + offsets + element_bricks() * kBrickBytes4 / 16,
+        double(m_moved.count()) * kMovedGridBytes + element_bricks() * kElementGridBytes +
+            2 * density_bricks() * kLeafBytes,
         frames() *
             (density_bricks() * m_costs.state_brick + m_moved_bricks * m_costs.state_vector_brick));
   }

@@ -7,6 +7,7 @@
 // the code allocates per brick, voxel and unknown. docs/economy.md has the rules and their errors.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,13 +41,23 @@ struct ScenePlan {
   std::string costs;   // where the unit costs are from
 };
 
+/// Bricks that a volume will fill which is not read yet.
+struct ExpectedBricks {
+  double read = 0;           // while it is read
+  double kept = 0;           // from then on, of densities and of elements alike
+  double reading_bytes = 0;  // beside them, while it is read
+};
+
 /// What is open: the subject of the scene, and what the process holds by now.
 struct PlanSubject {
-  const Session* session = nullptr;  // null: nothing moves
+  const Session* session = nullptr;  // null: nothing moves, or it is not open yet
   const State& state;                // of which density, elements and geometry are read
   double start_seconds = 0;          // that loading the program took
   double open_seconds = 0;           // that opening took
   double held_mb = 0, peak_mb = 0;   // of the process, now and so far
+  /// Of a volume that is not open: the state has its geometry alone. The plan is then one of a
+  /// scene in which nothing moves and no ray meets anything, and so the least that it may be.
+  std::optional<ExpectedBricks> expected = {};
 };
 
 ScenePlan plan_scene(const Scene& scene, const PlanSubject& subject, const UnitCosts& costs);

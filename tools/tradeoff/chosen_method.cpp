@@ -9,6 +9,7 @@
 
 #include "tools/console/text_file.h"
 #include "tools/outputs/scene_run.h"
+#include "tools/plan/memory_need.h"
 #include "tools/plan/planned_run.h"
 #include "tools/scene/run_step.h"
 #include "tools/scene/step_method.h"
@@ -77,6 +78,7 @@ std::vector<MethodChoice> choices_of_plans(const Scene& scene, const std::string
     throw InputError({scene.file, option, "no step", "a scene whose handles go some way"});
   }
   const std::map<std::string, Scene> solved = solved_scenes(scene);
+  require_memory_to_open(scene, &progress);
   const Session session(scene.volume_path, session_options(scene), &progress);
   const double way = way_mm(scene, session.geometry(), option);
   check_places(scene, session.geometry());

@@ -9,6 +9,7 @@
 #include "volumes/base/error.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/grid/density_grid_vdb.h"
+#include "volumes/io/load/brick_sample.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/load/slab_bricks.h"
 
@@ -109,6 +110,40 @@ TEST(UnitLoad, BoundsOfElementsAreComparedAsDoubles) {
   EXPECT_EQ(count(0, below), 0);
   EXPECT_EQ(count(-1e300, 1e300), 1);
   EXPECT_EQ(count(1e300, 1e301), 0);
+}
+
+TEST(PropertyLoad, ASampleOfAllSlabsCountsTheElementsThatAreLoaded) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    DenseFile file = random_file(seed, 40);
+    const std::pair<double, double> range(0.1, 90.1);
+    BrickSample sample = sample_bricks(file, range, 100, [](const BrickSample&) { return false; });
+    EXPECT_EQ(sample.slabs_read, sample.slabs);
+    if (sample.elements == 0) continue;
+    file.rewind();
+    const ElementVolume loaded = load_elements(file, range.first, range.second, 0, 0);
+    EXPECT_EQ(sample.elements, loaded.elements.active_count()) << seed;
+    EXPECT_EQ(sample.bricks, std::int64_t(loaded.elements.brick_count())) << seed;
+    file.rewind();
+    sample = sample_bricks(file, std::nullopt, 100, [](const BrickSample&) { return false; });
+    file.rewind();
+    EXPECT_LE(sample.elements, load_volume(file).density.bricks().active_count()) << seed;
+  }
+}
+
+TEST(UnitLoad, ASampleReadsSomeSlabsAndEndsWhereItIsEnough) {
+  constexpr int kSlabs = 20;
+  const Vec3i dims(9, 8, kSlabs * 8);
+  DenseFile file(dims, std::vector<float>(std::size_t(9) * 8 * 8 * kSlabs, 1));
+  const std::pair<double, double> all(0, 2);
+  BrickSample sample = sample_bricks(file, all, 5, [](const BrickSample&) { return false; });
+  EXPECT_EQ(sample.slabs_read, 5);
+  EXPECT_EQ(sample.slabs, kSlabs);
+  EXPECT_EQ(sample.bricks, 10);
+  EXPECT_EQ(sample.elements, 5 * 9 * 8 * 8);
+  EXPECT_EQ(sample.part(), 0.25);
+  file.rewind();
+  sample = sample_bricks(file, all, 5, [](const BrickSample& found) { return found.bricks > 3; });
+  EXPECT_EQ(sample.slabs_read, 2);
 }
 
 TEST(PropertyLoad, ThreadsDoNotMatter) {

@@ -124,6 +124,13 @@ class StreamedVolume : public VolumeFile {
     if (++m_slices_read == dims.z) m_sources.back()->finish();
   }
 
+  void skip_slices(int count) override {
+    for (const auto& source : m_sources) {
+      source->skip(std::int64_t(count) * m_strides[StoredAxis::k] * m_width);
+    }
+    m_slices_read += count;
+  }
+
  private:
   /// Copies what the slice wants of the block; component `s` where components lie apart.
   void gather(int s, char* out) {

@@ -31,6 +31,8 @@ class ChannelVolume : public VolumeFile {
     }
   }
 
+  void skip_slices(int count) override { m_file->skip_slices(count); }
+
  private:
   std::size_t voxels() const {
     return std::size_t(m_header.geometry.dims().x) * m_header.geometry.dims().y;
@@ -86,6 +88,11 @@ void VolumeFile::set_spacing(const Vec3d& spacing_mm) {
     axes[a] *= spacing_mm[a];
   }
   m_header.geometry = make_geometry(m_header.path, old.dims(), old.origin_lps_mm(), axes);
+}
+
+void VolumeFile::skip_slices(int count) {
+  std::vector<char> slice(std::size_t(stored_bytes(m_header) / m_header.geometry.dims().z));
+  for (int n = 0; n < count; ++n) read_slice(slice.data());
 }
 
 std::int64_t stored_bytes(const VolumeHeader& header) {

@@ -69,6 +69,9 @@ class VolumeFile {
   /// components, which lie together.
   /// Throws InputError when the data end early or cannot be decoded.
   virtual void read_slice(void* out) = 0;
+  /// Leaves out the next slices, unchecked; by arithmetic where values are plain, by reading
+  /// otherwise. Throws as read_slice().
+  virtual void skip_slices(int count);
 
  protected:
   VolumeHeader m_header;

@@ -186,6 +186,8 @@ class SeriesVolume : public VolumeFile {
     image->read_slice(out);
   }
 
+  void skip_slices(int count) override { m_slice += std::size_t(count); }
+
  private:
   std::string path_of(std::size_t n) const { return (fs::path(m_folder) / m_names[n]).string(); }
 

@@ -59,6 +59,8 @@ class TiffVolume : public VolumeFile {
     }
   }
 
+  void skip_slices(int count) override { m_slice += count; }
+
  private:
   Geometry geometry() const {
     const TiffPage& page = m_pages.format();

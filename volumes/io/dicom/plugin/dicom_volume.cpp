@@ -48,6 +48,8 @@ class DicomVolume : public VolumeFile {
     rescale(image, plane, static_cast<char*>(out));
   }
 
+  void skip_slices(int count) override { m_slices_read += std::size_t(count); }
+
  private:
   void set_geometry() {
     const ImagePlane& first = m_stack.slices.front();
