@@ -1,6 +1,5 @@
 # The library for host programs: libsupple.so with everything but the command line, its headers below
 # <supple/...>, a CMake package, a pkg-config file, and the package of `cpack`.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 file(WRITE ${PROJECT_BINARY_DIR}/supple_library.cpp "")
@@ -58,12 +57,17 @@ install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 set(CPACK_PACKAGE_CONTACT "Supple developers <supple@example.org>")
 # The program writes its manual page and completions itself.
 install(CODE "
-  foreach(page \"manual|${CMAKE_INSTALL_MANDIR}/man1/supple.1\"
-               \"completion|${CMAKE_INSTALL_DATADIR}/bash-completion/completions/supple\")
-    string(REPLACE \"|\" \";\" page \"\${page}\")
-    list(GET page 0 kind)
-    list(GET page 1 place)
-    execute_process(COMMAND ${PROJECT_BINARY_DIR}/bin/supple help --\${kind}
+  set(zsh site-functions)
+  if(\"\${CMAKE_INSTALL_PREFIX}\" STREQUAL /usr)
+    set(zsh vendor-completions)  # Debian's zsh looks there for those of packages
+  endif()
+  foreach(page \"--manual|${CMAKE_INSTALL_MANDIR}/man1/supple.1\"
+      \"--completion;bash|${CMAKE_INSTALL_DATADIR}/bash-completion/completions/supple\"
+      \"--completion;zsh|${CMAKE_INSTALL_DATADIR}/zsh/\${zsh}/_supple\"
+      \"--completion;fish|${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d/supple.fish\")
+    string(REGEX REPLACE \"\\\\|.*\" \"\" kind \"\${page}\")
+    string(REGEX REPLACE \".*\\\\|\" \"\" place \"\${page}\")
+    execute_process(COMMAND ${PROJECT_BINARY_DIR}/bin/supple help \${kind}
                     OUTPUT_VARIABLE text COMMAND_ERROR_IS_FATAL ANY)
     file(WRITE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/\${place}\" \"\${text}\")
   endforeach()

@@ -17,7 +17,7 @@ SUPPLE_PACKAGES=(
   libhdf5-dev libdcmtk-dev libopenjp2-7-dev libssl-dev
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
 SUPPLE_JUDGES=(
-  pkg-config lintianelastix plastimatch teem-apps python3-openvdb python3-nibabel python3-tifffile
+  pkg-config lintian zsh fish elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-tifffile
   python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk libgdcm-tools
   libinsighttoolkit5-dev mricron-data openexr openimageio-tools python3-meshio
   calculix-ccx python3-dolfinx chromium nodejs xvfb)

@@ -80,6 +80,8 @@ test -s "$prefix/share/doc/supple/docs/scenes/ct_head_material.toml"
 "$supple" info warp.h5
 zgrep -q springs "$prefix/share/man/man1/supple.1.gz"
 grep -q springs-time "$prefix/share/bash-completion/completions/supple"
+grep -q springs-time "$prefix"/share/zsh/*/_supple
+grep -q springs-time "$prefix/share/fish/vendor_completions.d/supple.fish"
 "$supple" convert ball.nhdr ball.h5 && "$bin/info" ball.h5
 for dicom in /usr/lib/python3/dist-packages/pydicom/data/test_files/CT_small.dcm; do
   if [ -f "$dicom" ]; then "$bin/info" "$dicom"; fi              # through the plugin of DICOM

@@ -148,6 +148,47 @@ TEST_F(UnitManners, ManualAndCompletionHoldEveryOption) {
   EXPECT_TRUE(completes("supple deform a --springs-ti", 3, "--springs-time"));
   EXPECT_TRUE(completes("supple render a --quality acc", 4, "accurate"));
   EXPECT_FALSE(completes("supple render a --springs-ti", 3, "--springs-time"));
+  EXPECT_EQ(run_supple({"help", "--completion", "bash"}).out,
+            run_supple({"help", "--completion"}).out);
+  expect(run_supple({"help", "--completion", "csh"}), 2, {"csh"});
+}
+
+TEST_F(UnitManners, FishCompletesCommandsOptionsAndWords) {
+  if (!runs("command -v fish")) GTEST_SKIP() << "fish is not installed";
+  const std::string file = m_folder / "supple.fish";
+  write_text(file, run_supple({"help", "--completion", "fish"}).out);
+  EXPECT_TRUE(runs("fish -n " + file));
+  const auto completes = [&](const std::string& line, const std::string& expected) {
+    return runs("HOME=" + m_folder / "home" + " fish -c 'source " + file + "; complete -C \"" +
+                line + "\"' | grep -q -- '^" + expected + "'");
+  };
+  EXPECT_TRUE(completes("supple def", "deform"));
+  EXPECT_TRUE(completes("supple deform a --springs-ti", "--springs-time"));
+  EXPECT_TRUE(completes("supple render a --quality acc", "accurate"));
+  EXPECT_FALSE(completes("supple render a --springs-ti", "--springs-time"));
+}
+
+TEST_F(UnitManners, ZshCompletesCommandsOptionsAndWords) {
+  if (!runs("command -v zsh")) GTEST_SKIP() << "zsh is not installed";
+  const std::string file = m_folder / "_supple";
+  write_text(file, run_supple({"help", "--completion", "zsh"}).out);
+  EXPECT_TRUE(runs("zsh -n " + file));
+  // What the script hands on to zsh, which completes in a terminal only.
+  write_text(m_folder / "ask.zsh",
+             "_describe() { print -l -- ${(P)@[-1]} }\n"
+             "compadd() { print -l -- ${@[2,-1]} }\n"
+             "_files() { print files }\n"
+             "complete() { local -a words; words=(supple \"$@\"); local CURRENT=$#words\n" +
+                 run_supple({"help", "--completion", "zsh"}).out + "}\ncomplete \"$@\"\n");
+  const auto completes = [&](const std::string& words, const std::string& expected) {
+    return runs("zsh -f " + m_folder / "ask.zsh" + " " + words + " | grep -q -- '^" + expected +
+                "'");
+  };
+  EXPECT_TRUE(completes("def", "deform:"));
+  EXPECT_TRUE(completes("deform a --springs-ti", "--springs-time:"));
+  EXPECT_TRUE(completes("render a --quality acc", "accurate$"));
+  EXPECT_TRUE(completes("render a.nrrd", "files"));
+  EXPECT_FALSE(completes("render a --springs-ti", "--springs-time:"));
 }
 
 TEST_F(UnitManners, EveryFileThatIsWrittenIsToldWithItsSize) {

@@ -11,16 +11,23 @@ namespace {
 
 struct HelpOptions {
   std::string command;
-  bool manual = false, completion = false;
+  bool manual = false;
+  CLI::Option* completes = nullptr;
+  std::string shell = "bash";
 };
+
+std::string completion_for(const std::string& shell, const CLI::App& program) {
+  if (shell == "zsh") return zsh_completion(program);
+  return shell == "fish" ? fish_completion(program) : bash_completion(program);
+}
 
 int run_help(const HelpOptions& options, const CLI::App& program) {
   if (options.manual) {
     std::fputs(manual_page(program).c_str(), stdout);
     return kOk;
   }
-  if (options.completion) {
-    std::fputs(bash_completion(program).c_str(), stdout);
+  if (options.completes->count() > 0) {
+    std::fputs(completion_for(options.shell, program).c_str(), stdout);
     return kOk;
   }
   if (options.command.empty()) {
@@ -43,12 +50,18 @@ Command add_help(CLI::App& program) {
   CLI::App* app = add_subcommand(program, "help", "Print the help of a command",
                                  "  supple help deform\n"
                                  "  supple help --manual > supple.1\n"
-                                 "  supple help --completion > completions/supple");
+                                 "  supple help --completion zsh > _supple");
   app->add_option("command", options->command, "Whose help")->option_text("COMMAND");
   CLI::Option* manual =
       app->add_flag("--manual", options->manual, "Print the manual page, for man -l");
-  app->add_flag("--completion", options->completion, "Print a script that completes in bash")
-      ->excludes(manual);
+  options->completes =
+      app->add_option("--completion", options->shell,
+                      "Print a script that completes words in a shell (bash where none is named)")
+          ->option_text("bash|zsh|fish")
+          ->expected(0, 1)
+          ->default_str("bash")
+          ->check(CLI::IsMember({"bash", "zsh", "fish"}))
+          ->excludes(manual);
   return {app, [options, &program](const GlobalOptions&, Console&) {
             return run_help(*options, program);
           }};

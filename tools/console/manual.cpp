@@ -60,6 +60,28 @@ std::string words_of(const CLI::Option& option) {
   return words;
 }
 
+/// Text within single quotes, in which `escapes` stand behind a backslash.
+std::string quoted(const std::string& text, const std::string& escapes, const char* quote) {
+  std::string inside;
+  for (const char c : text) {
+    if (c == '\'') {
+      inside += quote;
+      continue;
+    }
+    if (escapes.find(c) != std::string::npos) inside += '\\';
+    inside += c;
+  }
+  return "'" + inside + "'";
+}
+
+std::string for_zsh(const std::string& text) {
+  return quoted(text, "", "'\\''");
+}
+
+std::string for_fish(const std::string& text) {
+  return quoted(text, "\\", "\\'");
+}
+
 std::string dashed_names(const std::vector<const CLI::Option*>& options) {
   std::string names;
   for (const CLI::Option* option : options) {
@@ -123,6 +145,87 @@ std::string bash_completion(const CLI::App& program) {
          "  fi\n"
          "}\n"
          "complete -o filenames -F _supple supple\n";
+}
+
+std::string zsh_completion(const CLI::App& program) {
+  const auto described = [](const std::string& name, const std::string& text) {
+    return "    " + for_zsh(name + ":" + text) + "\n";
+  };
+  const auto list_of = [&](const std::vector<const CLI::Option*>& options) {
+    std::string list;
+    for (const CLI::Option* option : options) {
+      for (const std::string& name : option->get_snames())
+        list += described("-" + name, option->get_description());
+      for (const std::string& name : option->get_lnames())
+        list += described("--" + name, option->get_description());
+    }
+    return list;
+  };
+  std::string commands, cases;
+  for (const CLI::App* command : commands_of(program)) {
+    commands += described(command->get_name(), command->get_description());
+    const std::vector<const CLI::Option*> options = shown_options(*command);
+    cases += "  " + command->get_name() + ")\n    options=(\n" + list_of(options) + "    )\n";
+    std::string values;
+    for (const CLI::Option* option : options) {
+      const std::string words = words_of(*option);
+      if (words.empty()) continue;
+      for (const std::string& name : option->get_lnames()) {
+        values += "      --" + name + ") values=(" + words + ") ;;\n";
+      }
+    }
+    if (!values.empty()) cases += "    case $previous in\n" + values + "    esac\n";
+    cases += "    ;;\n";
+  }
+  return "#compdef supple\n"
+         "# zsh completion of supple, made by `supple help --completion zsh`.\n"
+         "local current=$words[CURRENT] previous=$words[CURRENT-1]\n"
+         "local -a commands options values\n"
+         "commands=(\n" +
+         commands + ")\noptions=(\n" + list_of(shown_options(program)) +
+         ")\n"
+         "if (( CURRENT == 2 )) && [[ $current != -* ]]; then\n"
+         "  _describe command commands\n"
+         "  return\n"
+         "fi\n"
+         "case $words[2] in\n" +
+         cases +
+         "esac\n"
+         "if (( $#values )); then\n"
+         "  compadd -- $values\n"
+         "elif [[ $current == -* ]]; then\n"
+         "  _describe -o option options\n"
+         "else\n"
+         "  _files\n"
+         "fi\n";
+}
+
+std::string fish_completion(const CLI::App& program) {
+  const auto line_of = [](const std::string& condition, const CLI::Option& option) {
+    std::string line = "complete -c supple -n " + for_fish(condition);
+    for (const std::string& name : option.get_snames()) line += " -s " + name;
+    for (const std::string& name : option.get_lnames()) line += " -l " + name;
+    const std::string words = words_of(option);
+    if (!words.empty()) {
+      line += " -x -a " + for_fish(words);
+    } else if (option.get_items_expected_max() > 0) {
+      line += " -r";
+    }
+    return line + " -d " + for_fish(option.get_description()) + "\n";
+  };
+  std::string text = "# fish completion of supple, made by `supple help --completion fish`.\n";
+  for (const CLI::Option* option : shown_options(program)) {
+    text += line_of("__fish_use_subcommand", *option);
+  }
+  for (const CLI::App* command : commands_of(program)) {
+    text += "complete -c supple -f -n __fish_use_subcommand -a " + command->get_name() + " -d " +
+            for_fish(command->get_description()) + "\n";
+    for (const CLI::Option* option : shown_options(*command)) {
+      if (option->get_positional()) continue;
+      text += line_of("__fish_seen_subcommand_from " + command->get_name(), *option);
+    }
+  }
+  return text;
 }
 
 }  // namespace supple::tools

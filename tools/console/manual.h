@@ -10,7 +10,9 @@ namespace supple::tools {
 /// supple(1) for man, in troff's macros (man-pages(7)).
 std::string manual_page(const CLI::App& program);
 
-/// A script for bash: subcommands, options, the values that an option may have, and files.
+// Scripts for shells: subcommands, options, the words that an option may take, and files.
 std::string bash_completion(const CLI::App& program);
+std::string zsh_completion(const CLI::App& program);
+std::string fish_completion(const CLI::App& program);
 
 }  // namespace supple::tools

@@ -46,7 +46,7 @@ std::vector<std::filesystem::path> plugin_folders() {
   if (own.parent_path().filename() == "glibc-hwcaps") own = own.parent_path().parent_path();
   for (const std::filesystem::path& folder : {own, program_folder()}) {
     folders.insert(folders.end(),
-                   {folder, folder.parent_path() / "lib" / "supple", folder / "supple"});
+                   {folder, folder.parent_path() / SUPPLE_LIBDIR / "supple", folder / "supple"});
   }
   return folders;
 }
