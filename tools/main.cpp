@@ -14,11 +14,11 @@
 #include "tools/build_facts.h"
 #include "tools/console/command.h"
 #include "tools/console/help.h"
-#include "tools/console/signals.h"
 #include "tools/program_version.h"
 #include "volumes/base/heap_pages.h"
 #include "volumes/base/on_threads.h"
 #include "volumes/base/run_in_child.h"
+#include "volumes/base/signals.h"
 
 namespace supple::tools {
 

@@ -14,9 +14,9 @@
 #include <memory>
 
 #include "lib/body/holds.h"
-#include "lib/chainmail/cut_lips.h"
 #include "lib/chainmail/projection.h"
-#include "lib/chainmail/sides_report.h"
+#include "lib/contact/cut_lips.h"
+#include "lib/contact/sides_report.h"
 #include "volumes/base/progress.h"
 
 namespace supple {

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "lib/body/holds.h"
-#include "lib/chainmail/contact_link.h"
 #include "lib/chainmail/free_pieces.h"
 #include "lib/chainmail/propagate.h"
+#include "lib/contact/contact_link.h"
 
 namespace supple {
 

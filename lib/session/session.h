@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/body/piece_contact.h"
+#include "lib/contact/piece_contact.h"
 #include "lib/model/relax_model.h"
 #include "lib/model/voxel_ecm_model.h"
 #include "lib/session/free_poses.h"

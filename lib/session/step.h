@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "lib/chainmail/ball_limits.h"
-#include "lib/chainmail/sides_report.h"
 #include "lib/chainmail/tighten.h"
+#include "lib/contact/sides_report.h"
 #include "lib/material/material.h"
 #include "lib/model/relax_model.h"
 #include "lib/relax/relaxation.h"

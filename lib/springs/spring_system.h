@@ -17,8 +17,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "lib/springs/cell_barrier.h"
-#include "lib/springs/contact.h"
+#include "lib/contact/cell_barrier.h"
+#include "lib/contact/collider_contact.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/vec.h"
 

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/body/piece_contact.h"
-#include "lib/body/piece_overlap.h"
+#include "lib/contact/piece_contact.h"
+#include "lib/contact/piece_overlap.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/session.h"
 #include "tests/lib/bone_fixtures.h"

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/contact/mesh_surface.h"
 #include "lib/springs/integrators.h"
 #include "lib/springs/mesh_springs.h"
-#include "lib/springs/mesh_surface.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
 

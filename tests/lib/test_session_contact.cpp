@@ -2,7 +2,7 @@
 // other.
 #include <gtest/gtest.h>
 
-#include "lib/chainmail/cut_lips.h"
+#include "lib/contact/cut_lips.h"
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"

@@ -7,7 +7,7 @@
 #include "raycast/pictures/compare.h"
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
-#include "tools/outputs/overlay_paint.h"
+#include "tools/scene/run/overlay_paint.h"
 #include "volumes/grid/voxel_sets.h"
 
 using namespace supple;

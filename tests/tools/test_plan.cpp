@@ -5,7 +5,7 @@
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitized.h"
-#include "tools/outputs/view_pictures.h"
+#include "tools/scene/run/view_pictures.h"
 
 using namespace supple::test;
 

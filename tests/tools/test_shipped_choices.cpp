@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
-#include "tools/tradeoff/shipped_choices.h"
-#include "tools/tradeoff/trade_row.h"
+#include "tools/scene/choice/shipped_choices.h"
+#include "tools/scene/choice/trade_row.h"
 
 using namespace supple;
 using namespace supple::test;

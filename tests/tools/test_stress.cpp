@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
-#include "tools/stress/stress_verdict.h"
+#include "tools/lab/stress/stress_verdict.h"
 
 using namespace supple;
 using namespace supple::test;

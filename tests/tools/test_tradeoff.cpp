@@ -9,13 +9,13 @@
 
 #include "tests/support/errors.h"
 #include "tests/support/program.h"
-#include "tools/scene/step_method.h"
-#include "tools/tradeoff/method_choice.h"
-#include "tools/tradeoff/run_phases.h"
-#include "tools/tradeoff/shipped_choices.h"
-#include "tools/tradeoff/trade_curves.h"
-#include "tools/tradeoff/trade_row.h"
-#include "tools/tradeoff/trade_tables.h"
+#include "tools/lab/tradeoff/trade_curves.h"
+#include "tools/lab/tradeoff/trade_tables.h"
+#include "tools/scene/choice/method_choice.h"
+#include "tools/scene/choice/run_phases.h"
+#include "tools/scene/choice/shipped_choices.h"
+#include "tools/scene/choice/trade_row.h"
+#include "tools/scene/file/step_method.h"
 #include "volumes/io/load/load.h"
 
 using namespace supple;

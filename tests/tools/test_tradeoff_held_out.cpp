@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
-#include "tools/tradeoff/held_out.h"
+#include "tools/lab/tradeoff/held_out.h"
 
 using namespace supple::test;
 using namespace supple::tools;

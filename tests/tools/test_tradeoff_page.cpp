@@ -5,10 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
-#include "tools/tradeoff/page/page_text.h"
-#include "tools/tradeoff/page/thumbnails.h"
-#include "tools/tradeoff/page/trade_chart.h"
-#include "tools/tradeoff/page/trade_page.h"
+#include "tools/lab/tradeoff/page/page_text.h"
+#include "tools/lab/tradeoff/page/thumbnails.h"
+#include "tools/lab/tradeoff/page/trade_chart.h"
+#include "tools/lab/tradeoff/page/trade_page.h"
 
 using namespace supple;
 using namespace supple::test;

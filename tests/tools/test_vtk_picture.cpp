@@ -6,7 +6,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "tests/support/program.h"
-#include "tools/peers/vtk_peer.h"
+#include "tools/scene/peers/vtk_peer.h"
 #include "volumes/io/volume_writer.h"
 
 using namespace supple;

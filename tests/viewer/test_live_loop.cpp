@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
-#include "tools/live/live_loop.h"
+#include "tools/scene/live/live_loop.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -7,7 +7,7 @@
 
 #include "tests/support/errors.h"
 #include "tests/support/program.h"
-#include "tools/live/live_view.h"
+#include "tools/scene/live/live_view.h"
 #include "tools/viewer/opened_file.h"
 
 using namespace supple;

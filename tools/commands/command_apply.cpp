@@ -7,7 +7,7 @@
 #include "tools/commands/moved_places.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/outputs/output_plan.h"
+#include "tools/scene/run/output_plan.h"
 #include "volumes/io/mesh/mesh_file.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"

@@ -6,7 +6,7 @@
 #include "raycast/pictures/compare.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/outputs/output_plan.h"
+#include "tools/scene/run/output_plan.h"
 
 namespace supple::tools {
 

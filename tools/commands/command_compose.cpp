@@ -1,8 +1,8 @@
 // supple compose: several transforms as one warp.
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/outputs/converted.h"
-#include "tools/outputs/output_plan.h"
+#include "tools/scene/run/converted.h"
+#include "tools/scene/run/output_plan.h"
 #include "volumes/io/transform/transform_volume.h"
 #include "volumes/io/warp_file.h"
 #include "volumes/state/state_outputs.h"

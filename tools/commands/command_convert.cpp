@@ -1,8 +1,8 @@
 // supple convert: a volume or warp in another format, values and geometry as they are.
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/outputs/converted.h"
-#include "tools/outputs/output_plan.h"
+#include "tools/scene/run/converted.h"
+#include "tools/scene/run/output_plan.h"
 #include "volumes/io/format/data_files.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"

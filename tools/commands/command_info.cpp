@@ -7,7 +7,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
-#include "tools/outputs/reports.h"
+#include "tools/scene/run/reports.h"
 #include "volumes/base/sha256.h"
 #include "volumes/grid/labels.h"
 #include "volumes/io/bytes/value_type.h"

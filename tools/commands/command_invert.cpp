@@ -5,9 +5,9 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/outputs/output_plan.h"
-#include "tools/outputs/reports.h"
-#include "tools/outputs/view_pictures.h"
+#include "tools/scene/run/output_plan.h"
+#include "tools/scene/run/reports.h"
+#include "tools/scene/run/view_pictures.h"
 #include "volumes/field/dense/invert_warp.h"
 #include "volumes/io/warp_file.h"
 #include "volumes/state/state_outputs.h"

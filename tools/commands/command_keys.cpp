@@ -7,9 +7,9 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/scene/cut_keys.h"
-#include "tools/scene/live_event.h"
-#include "tools/scene/scene.h"
+#include "tools/scene/file/cut_keys.h"
+#include "tools/scene/file/live_event.h"
+#include "tools/scene/file/scene.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {

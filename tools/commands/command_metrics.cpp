@@ -7,7 +7,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
-#include "tools/outputs/output_plan.h"
+#include "tools/scene/run/output_plan.h"
 #include "volumes/field/inversion/deformation_metrics.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/open_volume.h"

@@ -7,11 +7,11 @@
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/outputs/reports.h"
-#include "tools/outputs/scene_run.h"
-#include "tools/pictures/picture_options.h"
-#include "tools/plan/memory_need.h"
-#include "tools/scene/run_step.h"
+#include "tools/scene/file/run_step.h"
+#include "tools/scene/pictures/picture_options.h"
+#include "tools/scene/plan/memory_need.h"
+#include "tools/scene/run/reports.h"
+#include "tools/scene/run/scene_run.h"
 
 namespace supple::tools {
 

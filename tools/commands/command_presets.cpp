@@ -4,7 +4,7 @@
 
 #include "lib/material/presets.h"
 #include "tools/console/command.h"
-#include "tools/scene/transfer_file.h"
+#include "tools/scene/file/transfer_file.h"
 
 namespace supple::tools {
 

@@ -12,7 +12,7 @@
 #include "tools/console/field_options.h"
 #include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
-#include "tools/outputs/reports.h"
+#include "tools/scene/run/reports.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/voxel_sets.h"
 #include "volumes/io/load/label_file.h"

@@ -9,12 +9,12 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
-#include "tools/outputs/reports.h"
-#include "tools/outputs/scene_run.h"
-#include "tools/outputs/staging.h"
-#include "tools/plan/memory_need.h"
-#include "tools/plan/planned_run.h"
-#include "tools/scene/transfer_file.h"
+#include "tools/scene/file/transfer_file.h"
+#include "tools/scene/plan/memory_need.h"
+#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/run/reports.h"
+#include "tools/scene/run/scene_run.h"
+#include "tools/scene/run/staging.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {

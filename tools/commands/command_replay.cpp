@@ -7,11 +7,11 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/console/own_process.h"
-#include "tools/live/replay.h"
-#include "tools/outputs/output_plan.h"
-#include "tools/pictures/picture_writer.h"
+#include "tools/scene/live/replay.h"
+#include "tools/scene/pictures/picture_writer.h"
+#include "tools/scene/run/output_plan.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/own_process.h"
 
 namespace supple::tools {
 

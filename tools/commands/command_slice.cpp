@@ -4,8 +4,8 @@
 #include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/outputs/scene_run.h"
-#include "tools/plan/memory_need.h"
+#include "tools/scene/plan/memory_need.h"
+#include "tools/scene/run/scene_run.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {

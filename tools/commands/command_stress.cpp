@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
-#include "tools/console/text_file.h"
-#include "tools/outputs/output_plan.h"
-#include "tools/stress/stress_table.h"
+#include "tools/lab/stress/stress_table.h"
+#include "tools/scene/run/output_plan.h"
+#include "volumes/base/text_file.h"
 
 namespace supple::tools {
 

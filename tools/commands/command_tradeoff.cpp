@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
-#include "tools/console/text_file.h"
-#include "tools/tradeoff/page/scene_charts.h"
-#include "tools/tradeoff/page/trade_page.h"
+#include "tools/lab/tradeoff/page/scene_charts.h"
+#include "tools/lab/tradeoff/page/trade_page.h"
+#include "volumes/base/text_file.h"
 
 namespace supple::tools {
 

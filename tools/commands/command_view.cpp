@@ -10,9 +10,9 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/console/signals.h"
 #include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/server.h"
+#include "volumes/base/signals.h"
 
 namespace supple::tools {
 

@@ -6,7 +6,7 @@
 
 #include <unistd.h>
 
-#include "tools/console/signals.h"
+#include "volumes/base/signals.h"
 
 namespace supple::tools {
 

@@ -16,7 +16,7 @@
 #include <unistd.h>
 
 #include "lib/material/toml_table.h"
-#include "tools/scene/live_event.h"
+#include "tools/scene/file/live_event.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/live/first_anchor.h"
-#include "tools/live/model_price.h"
-#include "tools/outputs/view_pictures.h"
-#include "tools/pictures/jpeg.h"
+#include "tools/scene/live/first_anchor.h"
+#include "tools/scene/live/model_price.h"
+#include "tools/scene/pictures/jpeg.h"
+#include "tools/scene/run/view_pictures.h"
 
 namespace supple::tools {
 

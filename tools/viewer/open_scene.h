@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/drawings/rest_outline.h"
-#include "tools/live/live_loop.h"
-#include "tools/live/state_parts.h"
+#include "tools/scene/live/live_loop.h"
+#include "tools/scene/live/state_parts.h"
 #include "tools/viewer/frame_encoder.h"
 #include "tools/viewer/kept_sessions.h"
 #include "tools/viewer/page_progress.h"

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
-#include "tools/scene/json.h"
-#include "tools/scene/live_event.h"
+#include "tools/scene/file/json.h"
+#include "tools/scene/file/live_event.h"
 #include "volumes/base/text.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"

@@ -4,7 +4,7 @@
 #include <array>
 #include <filesystem>
 
-#include "tools/scene/json.h"
+#include "tools/scene/file/json.h"
 
 namespace supple::tools {
 

@@ -10,7 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/scene/live_event.h"
+#include "tools/scene/file/live_event.h"
 #include "tools/viewer/folders.h"
 
 namespace supple::tools {

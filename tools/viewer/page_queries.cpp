@@ -7,8 +7,8 @@
 #include "lib/material/presets.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/spring_step.h"
-#include "tools/outputs/reports.h"
-#include "tools/scene/json.h"
+#include "tools/scene/file/json.h"
+#include "tools/scene/run/reports.h"
 #include "tools/viewer/saving.h"
 #include "volumes/io/open_volume.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/outputs/reports.h"
+#include "tools/scene/run/reports.h"
 
 namespace supple::tools {
 

@@ -2,9 +2,9 @@
 // where it is now.
 #pragma once
 
-#include "tools/live/held_parts.h"
-#include "tools/live/state_parts.h"
-#include "tools/scene/json.h"
+#include "tools/scene/file/json.h"
+#include "tools/scene/live/held_parts.h"
+#include "tools/scene/live/state_parts.h"
 
 namespace supple::tools {
 

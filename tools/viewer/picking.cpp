@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/outputs/reports.h"
-#include "tools/outputs/view_pictures.h"
-#include "tools/scene/json.h"
+#include "tools/scene/file/json.h"
+#include "tools/scene/run/reports.h"
+#include "tools/scene/run/view_pictures.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/volume.h"
 

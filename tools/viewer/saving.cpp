@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tools/live/replay.h"
-#include "tools/outputs/slice_pictures.h"
-#include "tools/outputs/view_pictures.h"
-#include "tools/pictures/picture_writer.h"
-#include "tools/scene/transfer_file.h"
+#include "tools/scene/file/transfer_file.h"
+#include "tools/scene/live/replay.h"
+#include "tools/scene/pictures/picture_writer.h"
+#include "tools/scene/run/slice_pictures.h"
+#include "tools/scene/run/view_pictures.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/state/state_outputs.h"
 

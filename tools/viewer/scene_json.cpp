@@ -1,11 +1,11 @@
 // The message `scene`: all that the page's panels show.
 #include <algorithm>
 
-#include "tools/live/held_parts.h"
-#include "tools/live/step_texts.h"
-#include "tools/outputs/reports.h"
-#include "tools/outputs/view_pictures.h"
-#include "tools/scene/json.h"
+#include "tools/scene/file/json.h"
+#include "tools/scene/live/held_parts.h"
+#include "tools/scene/live/step_texts.h"
+#include "tools/scene/run/reports.h"
+#include "tools/scene/run/view_pictures.h"
 #include "tools/viewer/open_scene.h"
 #include "tools/viewer/page_queries.h"
 #include "tools/viewer/parts_json.h"

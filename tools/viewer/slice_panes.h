@@ -7,8 +7,8 @@
 #include <string>
 
 #include "raycast/drawings/slice.h"
-#include "tools/pictures/picture_options.h"
-#include "tools/scene/slice_view.h"
+#include "tools/scene/file/slice_view.h"
+#include "tools/scene/pictures/picture_options.h"
 #include "tools/viewer/frame_message.h"
 #include "tools/viewer/overlay.h"
 #include "volumes/state/state.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/scene/json.h"
+#include "tools/scene/file/json.h"
 #include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/page_queries.h"
 #include "tools/viewer/picking.h"

@@ -2,7 +2,7 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
-#include "tools/scene/json.h"
+#include "tools/scene/file/json.h"
 #include "tools/viewer/viewer.h"
 
 namespace supple::tools {

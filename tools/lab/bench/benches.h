@@ -1,0 +1,32 @@
+// The benchmarks by name, behind the options that they share.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tools/console/console.h"
+#include "tools/lab/bench/report/report.h"
+#include "tools/scene/plan/unit_costs.h"
+
+namespace supple::tools {
+
+struct BenchOptions {
+  std::string name;
+  bool quick = false;
+  std::vector<std::string> only;
+  std::string ct_head;
+};
+
+struct Bench {
+  std::function<std::vector<std::string>()> row_names;
+  std::function<BenchReport()> measure;
+};
+
+/// A build with SUPPLE_BENCH=OFF (no_benches.cpp) throws UsageError.
+Bench bench_of(const BenchOptions& options, int threads, Console& console);
+
+/// What `supple bench --calibrate` measures (calibrate/calibrate.h); likewise.
+UnitCosts measured_costs(Console& console);
+
+}  // namespace supple::tools

@@ -1,0 +1,78 @@
+#include "tools/lab/bench/elastic/bench_relax.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+
+#include <oneapi/tbb/global_control.h>
+
+#include "tools/console/cancel_only.h"
+#include "tools/console/command.h"
+#include "tools/lab/bench/bodies/ecm_bodies.h"
+#include "tools/lab/bench/elastic/relax_cases.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Empty when there is no head CT to measure.
+std::vector<RelaxRow> checked_rows(const RelaxBenchOptions& options, const std::string& head) {
+  std::vector<RelaxRow> plan =
+      plan_relax({options.quick, options.threads, !head.empty(), options.only});
+  if (plan.empty()) {
+    throw UsageError(to_line({"", "--only", "'" + options.only.front() + "', which no row matches",
+                              "part of a row's name, such as cost/noise/128/jacobi/1"}));
+  }
+  return plan;
+}
+
+Body body_of(const RelaxRow& row, const std::string& head) {
+  if (row.field == "ct_head") return ct_head_body(head);
+  if (row.field == "head_phantom") return head_phantom_body(Vec3i(row.size));
+  if (row.field == "ball") return ball_body(row.size);
+  if (row.field == "tissue_ball") return tissue_ball_body(row.size);
+  if (row.field == "tissue_bar") return tissue_bar_body(row.size);
+  return block_body(row.field, Vec3i(row.size));
+}
+
+std::vector<BenchRow> measure(const std::vector<RelaxRow>& rows, const Body& rest, bool quick,
+                              Progress& cancel) {
+  const std::string& kind = rows[0].kind;
+  if (kind == "states") return measure_states(rows, rest, cancel);
+  if (kind == "descent") return measure_descent(rows, rest, cancel);
+  if (kind == "press" || kind == "pull") return measure_press(rows, rest, cancel);
+  if (kind == "tighten") return measure_tighten(rows, rest, cancel);
+  return measure_passes(rows, rest, quick, cancel);
+}
+
+}  // namespace
+
+std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Console& console) {
+  std::vector<std::string> names;
+  for (const RelaxRow& row :
+       checked_rows(options, head_file(options.ct_head, options.only.empty(), console))) {
+    names.push_back(row.name());
+  }
+  return names;
+}
+
+BenchReport bench_relax(const RelaxBenchOptions& options, Console& console) {
+  const std::string head = head_file(options.ct_head, options.only.empty(), console);
+  const std::vector<RelaxRow> plan = checked_rows(options, head);
+  BenchReport result{"relax", measure_machine(), {}};
+  CancelOnly cancel(console);
+  for (auto first = plan.begin(); first != plan.end();) {
+    const auto last = std::find_if(
+        first, plan.end(), [&](const RelaxRow& row) { return row.group() != first->group(); });
+    const std::vector<RelaxRow> rows(first, last);
+    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
+                                            std::size_t(rows.back().threads));
+    console.stage(first->group());
+    std::vector<BenchRow> measured = measure(rows, body_of(*first, head), options.quick, cancel);
+    std::move(measured.begin(), measured.end(), std::back_inserter(result.rows));
+    first = last;
+  }
+  return result;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,230 @@
+#include "tools/lab/tradeoff/scene_measurement.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "raycast/pictures/compare.h"
+#include "tools/program_version.h"
+#include "tools/scene/choice/run_phases.h"
+#include "tools/scene/run/element_volumes.h"
+#include "volumes/base/child_process.h"
+#include "volumes/base/own_process.h"
+#include "volumes/base/sha256.h"
+#include "volumes/base/text.h"
+
+namespace supple::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kStateName = "state.vdb";
+
+/// What the results of a scene depend on, but for the contents of labels and meshes.
+std::string inputs_of(const Scene& scene, int threads) {
+  std::error_code ignored;
+  const auto written = fs::last_write_time(scene.volume_path, ignored).time_since_epoch();
+  const std::string all = program_version() + '\n' + std::to_string(threads) + '\n' +
+                          scene.described + '\n' + scene.volume_path + ' ' +
+                          std::to_string(fs::file_size(scene.volume_path, ignored)) + ' ' +
+                          std::to_string(written.count());
+  return sha256_hex(all.data(), all.size()).substr(0, 12);
+}
+
+/// As one types it.
+std::string command_line(const std::vector<std::string>& arguments) {
+  std::string line = "supple";
+  for (const std::string& word : arguments) {
+    const bool is_plain = word.find_first_of(" '\"$&;|<>()*?[]{}!#~`\\") == std::string::npos;
+    line += ' ' + (is_plain ? word : '\'' + word + '\'');
+  }
+  return line;
+}
+
+/// Each phase of all runs.
+struct AllPhases {
+  std::vector<double> prepare, solve, invert, render, draw, wall;
+
+  void add(const RunPhases& phases, double wall_s) {
+    prepare.push_back(phases.prepare_s);
+    solve.push_back(phases.solve_s);
+    invert.push_back(phases.invert_s);
+    render.push_back(phases.render_s);
+    draw.push_back(phases.invert_s + phases.render_s);
+    wall.push_back(wall_s);
+  }
+  void give_to(TradeRow& row) const {
+    row.prepare_s = spread_of(prepare);
+    row.solve_s = spread_of(solve);
+    row.invert_s = spread_of(invert);
+    row.render_s = spread_of(render);
+    row.draw_s = spread_of(draw);
+    row.wall_s = spread_of(wall);
+  }
+};
+
+}  // namespace
+
+std::string RowSetting::name() const {
+  return family + ':' + exact_text(knob);
+}
+
+RowSetting to_row(const StepMethod& method) {
+  return {
+      method.family->name, method.knob, {"--method", method.name(), "--state", kStateName}, false};
+}
+
+RowSetting to_row(const DrawMethod& method) {
+  const StepMethod fastest{&method_families().front(), method_families().front().ladder.front()};
+  return {method.family->name,
+          method.knob,
+          {"--method", fastest.name(), "--drawing", method.name()},
+          true};
+}
+
+StepMethod reference_method() {
+  StepMethod method = parse_method("fem");
+  method.knob = kReferenceTolerance;
+  return method;
+}
+
+DrawMethod reference_drawing() {
+  DrawMethod method = parse_drawing("draw-newton");
+  method.knob = kReferenceStep;
+  return method;
+}
+
+SceneMeasurement::SceneMeasurement(const MeasureOptions& options, const Scene& scene,
+                                   std::string name, Console& console)
+    : m_options(options),
+      m_scene(scene),
+      m_name(std::move(name)),
+      m_console(console),
+      m_inputs(inputs_of(scene, options.threads)) {}
+
+std::string SceneMeasurement::folder_of(const RowSetting& setting) const {
+  std::string name = setting.name();
+  std::replace(name.begin(), name.end(), ':', '_');
+  return m_options.folder + "/runs/" + m_name + '/' + name;
+}
+
+std::string SceneMeasurement::picture_of(const RowSetting& setting) const {
+  for (const SceneView& view : m_scene.views) {
+    if (is_drawn_by_rays(view)) return folder_of(setting) + '/' + view.image;
+  }
+  return "";
+}
+
+bool SceneMeasurement::has_reference(bool of_drawings) const {
+  if (of_drawings) return fs::exists(picture_of(to_row(reference_drawing())));
+  return fs::exists(folder_of(to_row(reference_method())) + '/' + kStateName);
+}
+
+const ErrorReference& SceneMeasurement::reference() {
+  if (!m_reference) {
+    const std::string folder = folder_of(to_row(reference_method()));
+    m_reference = std::make_unique<ErrorReference>(folder + '/' + kStateName, nullptr);
+  }
+  return *m_reference;
+}
+
+std::vector<std::string> SceneMeasurement::arguments(const RowSetting& setting) const {
+  std::vector<std::string> words = {"run", m_scene.file};
+  words.insert(words.end(), setting.words.begin(), setting.words.end());
+  for (const char* word : {"-o", "", "--force", "--json"}) {
+    words.push_back(*word == '\0' ? folder_of(setting) : word);
+  }
+  if (m_options.threads > 0) {
+    words.push_back("--threads");
+    words.push_back(std::to_string(m_options.threads));
+  }
+  return words;
+}
+
+TradeRow SceneMeasurement::empty_row(const RowSetting& setting) const {
+  TradeRow row;
+  row.scene = m_scene.file;
+  row.inputs = m_inputs;
+  row.method = setting.family;
+  row.knob = setting.knob;
+  row.threads = m_options.threads;
+  row.version = program_version();
+  row.command = command_line(arguments(setting));
+  row.picture = picture_of(setting);
+  return row;
+}
+
+TradeRow SceneMeasurement::leave_out(const RowSetting& setting, const std::string& reason) const {
+  TradeRow row = empty_row(setting);
+  row.status = "not run";
+  row.reason = reason;
+  return row;
+}
+
+/// False where one fails.
+bool SceneMeasurement::run_all(TradeRow& row, const RowSetting& setting) {
+  AllPhases all;
+  double spent_s = 0;
+  while (row.runs < m_options.runs && (row.runs == 0 || spent_s < m_options.row_s)) {
+    const ChildEnd end = run_child(own_program(), arguments(setting), {m_options.limit_s},
+                                   [this] { return m_console.cancelled(); });
+    spent_s += end.wall_s;
+    if (end.exit_code != 0) {
+      row.status = end.timed_out ? "time limit" : "failed";
+      row.reason = end.complaint;
+      row.wall_s = spread_of({end.wall_s});
+      return false;
+    }
+    const nlohmann::json report = nlohmann::json::parse(end.out);
+    const std::map<std::string, double> stages = report.at("stage_seconds");
+    all.add(phases_of({stages.begin(), stages.end()}), end.wall_s);
+    row.peak_mb = std::max(row.peak_mb, report.at("peak_rss_mb").get<double>());
+    row.warning = end.warnings;
+    ++row.runs;
+  }
+  all.give_to(row);
+  row.status = "ok";
+  return true;
+}
+
+TradeRow SceneMeasurement::measure(const RowSetting& setting) {
+  TradeRow row = empty_row(setting);
+  fs::create_directories(folder_of(setting));
+  if (!run_all(row, setting)) return row;
+  if (setting.is_drawing) {
+    compare_pictures(setting, row);
+  } else {
+    compare_states(setting, row);
+  }
+  return row;
+}
+
+/// The state of the reference stays; of others a map of the distances.
+void SceneMeasurement::compare_states(const RowSetting& setting, TradeRow& row) {
+  const std::string state = folder_of(setting) + '/' + kStateName;
+  std::vector<float> distances_mm;
+  const ErrorNorms norms = reference().norms_of(state, nullptr, &distances_mm);
+  row.moved = norms.moved;
+  row.p50_mm = norms.p50_mm;
+  row.p95_mm = norms.p95_mm;
+  row.max_mm = norms.max_mm;
+  row.volume_percent = norms.volume_percent;
+  row.energy_uj = norms.energy_uj;
+  if (setting.name() == to_row(reference_method()).name()) return;
+  fs::remove(state);
+  const State& wanted = reference().state();
+  write_element_values(folder_of(setting) + "/error.nrrd", wanted.geometry, wanted.elements,
+                       distances_mm, nullptr);
+}
+
+void SceneMeasurement::compare_pictures(const RowSetting& setting, TradeRow& row) {
+  const Image wanted = read_png(picture_of(to_row(reference_drawing())));
+  const Comparison found = compare(read_png(picture_of(setting)), wanted, true);
+  row.rmse = found.rmse;
+  row.ssim = found.ssim;
+}
+
+}  // namespace supple::tools

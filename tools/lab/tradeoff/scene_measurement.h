@@ -1,0 +1,88 @@
+// One scene, row after row: each run of a row is a process of its own (`supple run --method`), so
+// that peak memory is that of the setting, and neither a crash nor a time limit ends the rest.
+// Times are those of the stages that the run itself reports, not of its start.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "raycast/pictures/image.h"
+#include "tools/console/console.h"
+#include "tools/lab/tradeoff/error_norms.h"
+#include "tools/scene/choice/trade_row.h"
+#include "tools/scene/file/draw_method.h"
+#include "tools/scene/file/step_method.h"
+
+namespace supple::tools {
+
+/// How a row is measured.
+struct MeasureOptions {
+  std::string folder;
+  int runs = 5;
+  double limit_s = 600;  // of one run
+  double row_s = 60;     // no further run of a row begins after so long
+  int threads = 0;
+};
+
+/// What a row is about: how the scene is solved, or drawn.
+struct RowSetting {
+  std::string family;
+  double knob = 0;
+  std::vector<std::string> words;  // of the command line
+  bool is_drawing = false;
+
+  /// "relax-26:64".
+  std::string name() const;
+};
+RowSetting to_row(const StepMethod& method);
+/// Of the body as the fastest method leaves it, since only the picture matters.
+RowSetting to_row(const DrawMethod& method);
+
+/// Finite elements to this tolerance are what others are compared with.
+constexpr double kReferenceTolerance = 1e-10;
+StepMethod reference_method();
+/// Pictures are compared with that of samples which solve for themselves, a twentieth of a voxel
+/// apart.
+constexpr double kReferenceStep = 0.05;
+DrawMethod reference_drawing();
+
+class SceneMeasurement {
+ public:
+  /// `name`: of its files. Refers to the rest.
+  SceneMeasurement(const MeasureOptions& options, const Scene& scene, std::string name,
+                   Console& console);
+
+  /// Whether it is a row of the same scene, volume, program and number of threads.
+  bool is_current(const TradeRow& row) const { return row.inputs == m_inputs; }
+  /// Whether what others are compared with is there.
+  bool has_reference(bool of_drawings) const;
+
+  /// All runs of a row, and its error. The reference comes before others. Throws Cancelled, and as
+  /// ErrorReference.
+  TradeRow measure(const RowSetting& setting);
+  /// One that is left out.
+  TradeRow leave_out(const RowSetting& setting, const std::string& reason) const;
+
+  double resolution_mm() { return reference().resolution_mm(); }
+  /// Of its pictures, the one that is compared; empty without.
+  std::string picture_of(const RowSetting& setting) const;
+
+ private:
+  std::string folder_of(const RowSetting& setting) const;
+  std::vector<std::string> arguments(const RowSetting& setting) const;
+  TradeRow empty_row(const RowSetting& setting) const;
+  bool run_all(TradeRow& row, const RowSetting& setting);
+  void compare_states(const RowSetting& setting, TradeRow& row);
+  void compare_pictures(const RowSetting& setting, TradeRow& row);
+  const ErrorReference& reference();
+
+  const MeasureOptions& m_options;
+  const Scene& m_scene;
+  std::string m_name;
+  Console& m_console;
+  std::string m_inputs;
+  std::unique_ptr<ErrorReference> m_reference;
+};
+
+}  // namespace supple::tools

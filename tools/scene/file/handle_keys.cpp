@@ -1,0 +1,234 @@
+#include "tools/scene/file/handle_keys.h"
+
+#include <algorithm>
+
+#include "tools/scene/file/film.h"
+#include "volumes/base/error.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Keys of handles that are no plain fields.
+constexpr std::initializer_list<const char*> kOtherKeys = {"grab",  "grab_box", "grab_label",
+                                                           "at_mm", "points",   "path"};
+
+std::int32_t label_of(const TomlTable& table, const std::string& key, const std::string& text,
+                      const LabelNames& names) {
+  const auto label = find_label(names, text);
+  if (!label) table.fail(key, text, expected_label(names));
+  return *label;
+}
+
+std::optional<PointFile> read_points(TomlTable& table, const std::string& key) {
+  const auto path = table.path(key);
+  if (!path) return std::nullopt;
+  return read_point_file(*path);
+}
+
+/// A voxel is a box of one.
+void read_corners(TomlTable& table, GivenSelection& given) {
+  const bool in_voxels = given.frame == PlaceFrame::voxel;
+  if (in_voxels) {
+    if (const auto voxel = table.voxel("grab")) given.corners = {Vec3d(*voxel), Vec3d(*voxel)};
+  } else if (const auto at = table.vector("grab")) {
+    given.corners = {*at, *at};
+  }
+  const auto row = table.numbers("grab_box");
+  if (!row) return;
+  if (given.corners) table.fail("grab_box", "grab and grab_box", "one of both");
+  if (row->size() != 6) {
+    table.fail("grab_box", std::to_string(row->size()) + " numbers",
+               "six integers [i0, j0, k0, i1, j1, k1]");
+  }
+  if (in_voxels) {
+    const IndexBox box = to_box(table, "grab_box", *row);
+    given.corners = {Vec3d(box.lo), Vec3d(box.hi)};
+  } else {
+    const std::vector<double>& v = *row;
+    given.corners = {Vec3d(v[0], v[1], v[2]), Vec3d(v[3], v[4], v[5])};
+  }
+}
+
+void read_selection(TomlTable& table, const LabelNames& names, GivenSelection& given) {
+  given.place = table.place("grab");
+  table.read(fields(given));
+  read_corners(table, given);
+  given.at_lps_mm = table.vector("at_mm");
+  given.points = read_points(table, "points");
+  given.label = read_label(table, "grab_label", names);
+  const bool has_place = given.corners || given.at_lps_mm || given.ball;
+  const bool narrows = given.density || given.piece_at || given.rigid_at;
+  const int count = int(given.corners.has_value()) + int(given.at_lps_mm.has_value()) +
+                    int(given.points.has_value()) + int(given.label.has_value()) +
+                    int(given.ball.has_value());
+  const char* expected =
+      "one of grab = [i, j, k], grab_box, grab_ball, grab_label, grab_density, piece_at, rigid_at, "
+      "at_mm and points";
+  if (count == 0 && !narrows) table.fail_missing("grab", expected);
+  if (count > 1) table.fail("grab", "several of them", expected);
+  if (narrows && count == 1 && !has_place) {
+    table.fail(given.density    ? "grab_density"
+               : given.piece_at ? "piece_at"
+                                : "rigid_at",
+               "beside points or a label", "it alone, or with a voxel, box or ball");
+  }
+  if (given.ball.has_value() != given.radius_mm.has_value()) {
+    if (given.ball) table.fail_missing("radius", "of the ball, a number of mm");
+    table.fail("radius", "a radius without a ball", "grab_ball = [i, j, k] beside it");
+  }
+  if (given.density && !(given.density->first <= given.density->second)) {
+    table.fail("grab_density", "the larger one first", "[LEAST, LARGEST]");
+  }
+}
+
+void check_turn(const TomlTable& table, const GivenHandle& handle) {
+  const bool scales = handle.scale || handle.scale_axes;
+  if (handle.scale && handle.scale_axes) table.fail("scale", "scale and scale_axes", "one of both");
+  if (handle.rotate_deg && !handle.axis) table.fail_missing("axis", "the direction [x, y, z]");
+  if (handle.axis && !handle.rotate_deg && !handle.is_animated()) {
+    table.fail("axis", "an axis without rotate", "both");
+  }
+  if (handle.axis && *handle.axis == Vec3d(0)) table.fail("axis", "[0, 0, 0]", "a direction");
+  if (handle.about && !handle.rotate_deg && !scales && !handle.is_animated()) {
+    table.fail("about", "a point without rotate or scale", "one of both");
+  }
+  if (handle.soft_mm > 0 &&
+      (handle.piece_at || !(handle.corners || handle.ball || handle.at_lps_mm))) {
+    table.fail("soft", "an edge of something else", "an edge of a voxel, box or ball");
+  }
+}
+
+GivenPose read_pose(TomlTable& table) {
+  GivenPose pose;
+  pose.place = table.place();
+  table.read(fields(pose));
+  table.finish();
+  const bool scales = pose.scale || pose.scale_axes;
+  if (!pose.by && !pose.by_lps_mm && !pose.rotate_deg && !scales) {
+    table.fail_missing("by", "by = [x, y, z], by_mm_lps, rotate or scale");
+  }
+  if (pose.by && pose.by_lps_mm) table.fail("by", "by and by_mm_lps", "one of both");
+  if (pose.scale && pose.scale_axes) table.fail("scale", "scale and scale_axes", "one of both");
+  if (pose.axis && *pose.axis == Vec3d(0)) table.fail("axis", "[0, 0, 0]", "a direction");
+  return pose;
+}
+
+void read_poses(TomlTable& table, GivenHandle& handle) {
+  bool has_axis = handle.axis.has_value(), turns = false;
+  for (TomlTable& pose : table.tables("path")) {
+    handle.path.push_back(read_pose(pose));
+    has_axis = has_axis || handle.path.back().axis;
+    turns = turns || handle.path.back().rotate_deg;
+    require_later(pose, handle.path);
+  }
+  if (!handle.is_animated()) return;
+  if (handle.slides) table.fail("slide", "slide beside path", "a shift, or a path that stops");
+  for (const char* key : {"by", "by_mm_lps", "scale", "scale_axes", "rotate"}) {
+    if (table.has(key)) table.fail(key, std::string(key) + " beside path", "it in the path's keys");
+  }
+  if (turns && !has_axis) table.fail_missing("axis", "the direction [x, y, z] of the turns");
+  if (!turns && has_axis) table.fail("axis", "an axis without rotate", "both");
+  if (handle.points && handle.points->has_displacements) {
+    table.fail("path", "a path beside the displacements of the points", "one of both");
+  }
+}
+
+}  // namespace
+
+IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<double>& row) {
+  IndexBox box;
+  const std::size_t last = row.size() - 3;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double value : {row[axis], row[last + axis]}) {
+      if (!is_integer(value)) table.fail(key, number_text(value), "integer voxels");
+    }
+    box.lo[axis] = int(std::min(row[axis], row[last + axis]));
+    box.hi[axis] = int(std::max(row[axis], row[last + axis]));
+  }
+  return box;
+}
+
+std::optional<std::int32_t> read_label(TomlTable& table, const std::string& key,
+                                       const LabelNames& names) {
+  if (!table.has(key)) return std::nullopt;
+  return label_of(table, key,
+                  table.is_string(key) ? *table.string(key) : number_text(*table.number(key)),
+                  names);
+}
+
+std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
+                                      const LabelNames& names) {
+  std::vector<std::string> texts;
+  if (table.is_list_of_strings(key)) {
+    texts = *table.strings(key);
+  } else if (const auto numbers = table.numbers(key)) {
+    for (const double number : *numbers) texts.push_back(number_text(number));
+  }
+  std::vector<std::int32_t> labels;
+  for (const std::string& text : texts) labels.push_back(label_of(table, key, text, names));
+  return labels;
+}
+
+bool has_handle(TomlTable& table) {
+  GivenHandle handle;
+  bool found = false;
+  for (const char* key : kOtherKeys) found = table.has(key) || found;
+  for (const Field& field : fields(static_cast<GivenSelection&>(handle))) {
+    found = table.has(field.name()) || found;
+  }
+  for (const Field& field : fields(static_cast<GivenMotion&>(handle))) {
+    found = table.has(field.name()) || found;
+  }
+  return found;
+}
+
+GivenHandle read_handle(TomlTable& table, const LabelNames& names) {
+  GivenHandle handle;
+  table.know(kOtherKeys);
+  table.know({"by", "by_mm_lps"});
+  has_handle(table);
+  read_selection(table, names, handle);
+  table.read(fields(static_cast<GivenMotion&>(handle)));
+  read_poses(table, handle);
+  check_turn(table, handle);
+  if (handle.is_animated()) return handle;
+  const bool is_posed = handle.rotate_deg || handle.scale || handle.scale_axes;
+  if (handle.points && handle.points->has_displacements) {
+    if (!handle.by && !handle.by_lps_mm && !is_posed) return handle;
+    table.fail(handle.by           ? "by"
+               : handle.by_lps_mm  ? "by_mm_lps"
+               : handle.rotate_deg ? "rotate"
+                                   : "scale",
+               "a displacement beside those of the points", "one of both");
+  }
+  if (handle.by && handle.by_lps_mm) {
+    table.fail("by", "by and by_mm_lps", "either by = [x, y, z] or by_mm_lps");
+  }
+  if (!handle.by && !handle.by_lps_mm && !is_posed) {
+    table.fail_missing("by", "by = [x, y, z], by_mm_lps, rotate, scale or path");
+  }
+  return handle;
+}
+
+GivenSelection read_anchor(TomlTable& table, const LabelNames& names) {
+  GivenSelection given;
+  table.know(kOtherKeys);
+  read_selection(table, names, given);
+  if (table.has("path")) table.fail("path", "in anchors", "it in handles");
+  if (given.points || given.label) {
+    table.fail(given.points ? "points" : "grab_label", "in anchors", "fix_points or fix_label");
+  }
+  return given;
+}
+
+GivenPart read_part(TomlTable& table, const LabelNames& names) {
+  GivenPart given;
+  table.know(kOtherKeys);
+  given.name = table.string("name").value_or("");
+  read_selection(table, names, given);
+  if (given.points) table.fail("points", "points of a file", "a label, box, ball or densities");
+  return given;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,217 @@
+#include "tools/scene/file/live_event.h"
+
+#include <nlohmann/json.hpp>
+
+#include "lib/material/toml_string.h"
+#include "tools/scene/file/cut_keys.h"
+#include "tools/scene/file/handle_keys.h"
+#include "tools/scene/file/json.h"
+#include "tools/scene/file/model_keys.h"
+
+namespace supple::tools {
+
+namespace {
+
+const std::vector<std::string>& kind_names() {
+  static const std::vector<std::string> names = {
+      "grab", "push", "drag", "release", "cut",      "anchor", "relax", "limits",
+      "step", "undo", "redo", "model",   "material", "camera", "look",  "clip"};
+  return names;
+}
+
+/// The fields that an event of its kind has. Those of a step may have the same names.
+Fields own_fields(LiveEvent& event) {
+  const EventKind kind = event.kind;
+  const bool is_release = kind == EventKind::release;
+  const bool is_back = kind == EventKind::undo || kind == EventKind::redo;
+  Fields own;
+  for (const Field& field : fields(event)) {
+    const std::string& name = field.name();
+    const bool is_missing =
+        (name == "to" && kind != EventKind::drag) || (name == "all" && !is_release && !is_back) ||
+        (name == "looks" && !is_back) || (name == "restore" && !is_release) ||
+        (name == "handle" && !is_release) || (name == "anchor" && !is_release) ||
+        (name == "cut" && !is_release) || (name == "no_relax" && !is_release) ||
+        (name == "limits" && kind != EventKind::limits);
+    if (!is_missing) own.push_back(field);
+  }
+  return own;
+}
+
+/// The keys of the table that are not the event's own.
+std::string other_keys(const TomlTable& table, const Fields& own) {
+  Json json = Json::parse(table.json());
+  for (const Field& field : own) json.erase(field.name());
+  return json.dump();
+}
+
+void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+  GivenHandle& handle = event.step.handles.emplace_back();
+  static_cast<GivenSelection&>(handle) = read_anchor(table, names);
+  handle.soft_mm = table.number("soft").value_or(0);
+  handle.spares_fixed = table.boolean("spare_fixed").value_or(false);
+  handle.slides = table.boolean("slide").value_or(false);
+  handle.push = event.kind == EventKind::push;
+}
+
+void read_model_event(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+  StepSettings settings;
+  const Fields all = fields(settings);
+  table.require(table.string("model"), "model", "\"ecm\", \"springs\" or \"fem\"");
+  table.read({all.front()});
+  read_model(table, names, settings.model, event.step);
+  if (!event.step.fem || (!event.step.fem->step.modes && !event.step.fem->step.motion)) return;
+  table.fail("fem", "modes or a motion", "an equilibrium; these are a `step`");
+}
+
+/// The view's part that the event replaces; the rest of a view is read where it is drawn.
+void read_part_of_view(TomlTable& table, EventKind kind) {
+  switch (kind) {
+    case EventKind::camera:
+      table.require(table.table("camera"), "camera", "a table");
+      break;
+    case EventKind::look:
+      if (!table.has("preset") && !table.has("transfer")) {
+        table.fail_missing("preset", "a preset, or transfer, a file");
+      }
+      break;
+    default:
+      table.tables("clip");
+  }
+}
+
+void read_keys(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+  switch (event.kind) {
+    case EventKind::grab:
+    case EventKind::push:
+      return read_grab(table, names, event);
+    case EventKind::drag:
+      table.require(table.vector("to"), "to", "[x, y, z] in mm");
+      return;
+    case EventKind::anchor:
+      event.step.anchors.push_back(read_anchor(table, names));
+      return;
+    case EventKind::cut:
+      event.step.cuts.push_back(read_cut(table, names));
+      return;
+    case EventKind::relax:
+      event.step.relax = tissue_relaxation();
+      table.read(fields(*event.step.relax));
+      return;
+    case EventKind::step:
+      event.step = read_step(table, names);
+      return;
+    case EventKind::model:
+      return read_model_event(table, names, event);
+    case EventKind::material: {
+      TomlTable material = table.require(table.table("material"), "material", "a table");
+      event.step.material = read_material_choice(material, names);
+      return;
+    }
+    case EventKind::camera:
+    case EventKind::look:
+    case EventKind::clip:
+      return read_part_of_view(table, event.kind);
+    default:
+      return;
+  }
+}
+
+void write_inline(const Json& value, std::string& text) {
+  if (value.is_object()) {
+    text += "{ ";
+    for (const auto& [key, entry] : value.items()) {
+      text += (text.back() == ' ' && text[text.size() - 2] == '{' ? "" : ", ") + toml_key(key);
+      text += " = ";
+      write_inline(entry, text);
+    }
+    text += " }";
+  } else if (value.is_array()) {
+    text += "[";
+    for (std::size_t n = 0; n < value.size(); ++n) {
+      if (n > 0) text += ", ";
+      write_inline(value[n], text);
+    }
+    text += "]";
+  } else {
+    text += value.is_string() ? toml_string(value.get<std::string>()) : value.dump();
+  }
+}
+
+}  // namespace
+
+const char* name_of(EventKind kind) {
+  return kind_names()[std::size_t(kind)].c_str();
+}
+
+Fields fields(LiveEvent& event) {
+  return {
+      Field("kind", event.kind, kind_names(), "What happens").required(),
+      Field("at", event.at_ms, "Since the session was opened").unit("ms").at_least(0),
+      Field("merged", event.merged, "Earlier events that it replaced before they had begun")
+          .at_least(0),
+      Field("to", event.to, "Of drag: from where it was grabbed, in directions as a scene's by")
+          .unit("mm"),
+      Field("all", event.all,
+            "Of release: let go of everything that is held or fixed; of undo and redo: all drags "
+            "since one grab, or all of a relaxation"),
+      Field("looks", event.looks,
+            "Of undo and redo: looks and clips count as steps, too; those of a kind that follow "
+            "each other within a second are one"),
+      Field("restore", event.restore, "Of release: take the drags since the grab back"),
+      Field("handle", event.handle,
+            "Of release: let go of this one alone, the first being 1; the others stay held")
+          .at_least(0),
+      Field("anchor", event.anchor, "Of release: likewise of what is fixed").at_least(0),
+      Field("cut", event.cut,
+            "Of release: take this cut out; the steps after it are made again without it")
+          .at_least(0),
+      Field("no_relax", event.no_relax, "Of release: even where the material asks for it"),
+      Field("limits", event.limits, {"box", "ball", "tighten"}, "Of limits: those of later drags"),
+  };
+}
+
+LiveEvent read_event(TomlTable& table, const LabelNames& names) {
+  LiveEvent event;
+  event.place = table.place();
+  event.step.place = event.place;
+  table.read({fields(event).front()});
+  const Fields own = own_fields(event);
+  table.read(own);
+  event.keys = other_keys(table, own);
+  table.know({"kind", "at", "merged"});  // a step finishes its table
+  if (event.is_of_view()) table.know({"preset", "transfer"});
+  read_keys(table, names, event);
+  table.finish();
+  event.step.place = event.place;
+  return event;
+}
+
+std::string toml_of_json(const std::string& json) {
+  std::string text;
+  write_inline(Json::parse(json), text);
+  return text;
+}
+
+std::string toml_document(const std::string& json) {
+  std::string text;
+  const auto add = [&](const std::string& head, const Json& table) {
+    text += (text.empty() ? "" : "\n") + head + "\n";
+    for (const auto& [key, value] : table.items()) {
+      text += toml_key(key) + " = ";
+      write_inline(value, text);
+      text += "\n";
+    }
+  };
+  const Json root = Json::parse(json);
+  for (const auto& [key, value] : root.items()) {
+    if (!value.is_array()) {
+      add("[" + key + "]", value);
+      continue;
+    }
+    for (const Json& table : value) add("[[" + key + "]]", table);
+  }
+  return text;
+}
+
+}  // namespace supple::tools

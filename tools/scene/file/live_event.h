@@ -1,0 +1,65 @@
+// Events of a live session as a journal's [[event]] and a page's messages describe them:
+// what was grabbed, where it was dragged, what was cut, fixed, relaxed, taken back, and how it is
+// looked at. The head of a journal is that of a scene.
+#pragma once
+
+#include <string>
+
+#include "tools/scene/file/scene.h"
+
+namespace supple::tools {
+
+/// grab and push name a handle; drag says where it is now, counted from where it was grabbed, in
+/// the directions of a scene's `by`; release ends that, the handle stays held unless everything is
+/// let go. cut, anchor, relax, material and step are those of a scene. model chooses what moves the
+/// body in later drags. undo and redo count events that changed the body, and
+/// looks and clips where `looks` asks for it. camera, look and clip
+/// replace that part of the view.
+enum class EventKind {
+  grab,
+  push,
+  drag,
+  release,
+  cut,
+  anchor,
+  relax,
+  limits,
+  step,
+  undo,
+  redo,
+  model,
+  material,
+  camera,
+  look,
+  clip
+};
+
+struct LiveEvent {
+  std::string place;  // "file:line", for errors
+  EventKind kind = EventKind::step;
+  double at_ms = 0;         // since the session was opened
+  int merged = 0;           // earlier events that this one replaced before they had begun
+  std::int64_t number = 0;  // of who posts it, in no file
+  int page = 0;             // the page that posts it, in no file; 0: none
+  Vec3d to{0, 0, 0};
+  bool all = false, looks = false;
+  bool restore = false, no_relax = false;
+  int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
+  Limits limits = Limits::box;
+  std::string keys = "{}";  // JSON: those of the kind, as in scenes
+  SceneStep step;           // what they say; of grab and push its one handle, which does not move
+
+  bool is_of_view() const { return kind >= EventKind::camera; }
+};
+Fields fields(LiveEvent& event);
+const char* name_of(EventKind kind);
+
+/// One of [[event]]. Throws InputError as TomlTable does.
+LiveEvent read_event(TomlTable& table, const LabelNames& names);
+
+/// A JSON value in one line of TOML.
+std::string toml_of_json(const std::string& json);
+/// Tables of a root, one after the other: what `json` holds.
+std::string toml_document(const std::string& json);
+
+}  // namespace supple::tools

@@ -1,0 +1,40 @@
+#include "tools/scene/file/model_keys.h"
+
+#include "tools/scene/file/fem_keys.h"
+#include "tools/scene/file/spring_keys.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// The table of a model; `read` of one that is left out gives the defaults.
+template <class Step, class Read>
+std::optional<Step> read_own_keys(TomlTable& table, const std::string& name, bool is_chosen,
+                                  Read&& read) {
+  auto own = table.table(name);
+  if (!is_chosen) {
+    if (own) {
+      const std::vector<std::string> keys = own->keys();
+      own->fail(keys.empty() ? "" : keys.front(), name + " without its model",
+                "model = \"" + name + '"');
+    }
+    return std::nullopt;
+  }
+  for (const char* key : {"relax", "limits"}) {
+    if (table.has(key)) {
+      table.fail(key, std::string(key) + " beside " + name, "a step of its own for it");
+    }
+  }
+  return own ? read(*own) : Step();
+}
+
+}  // namespace
+
+void read_model(TomlTable& table, const LabelNames& names, StepModel model, SceneStep& step) {
+  step.springs =
+      read_own_keys<SpringStep>(table, "springs", model == StepModel::springs, read_spring_step);
+  step.fem = read_own_keys<GivenFem>(table, "fem", model == StepModel::fem,
+                                     [&](TomlTable& fem) { return read_fem(fem, names); });
+}
+
+}  // namespace supple::tools

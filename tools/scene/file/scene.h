@@ -1,0 +1,104 @@
+// A scene file: one volume, its labels, one material, steps that deform it, views and outputs
+// (design.md section 8). Input paths are relative to the scene file; output paths to the -o folder.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "lib/material/material.h"
+#include "lib/session/cut_surface.h"
+#include "lib/session/handles.h"
+#include "lib/session/session.h"
+#include "tools/scene/file/fem_keys.h"
+#include "tools/scene/file/film.h"
+#include "tools/scene/file/scene_output.h"
+#include "tools/scene/file/view.h"
+#include "volumes/base/vec.h"
+#include "volumes/io/load/label_file.h"
+
+namespace supple::tools {
+
+struct SceneStep {
+  std::string place;  // "file:line", for errors
+  std::vector<GivenHandle> handles;
+  std::vector<IndexBox> fix;
+  std::vector<std::int32_t> fix_labels;
+  std::vector<PointFile> fix_points;
+  std::vector<GivenSelection> anchors;  // beside fix, fix_labels and fix_points
+  Limits limits = Limits::box;
+  bool release = false;  // lets go of everything that earlier steps held
+  std::vector<CutSurface> cuts;
+  std::vector<GivenPart> remove, rigid;
+  std::vector<Retraction> retract;
+  std::vector<Vec3i> rigid_seeds;
+  std::optional<NumberPair> rigid_density;
+  double joint_mm = 0;
+  std::optional<RelaxParams> relax;
+  bool no_relax = false;  // even where the material asks for it
+  bool shift_pieces = false, turn_pieces = false;
+  std::optional<SpringStep> springs;      // when model = "springs"
+  std::optional<GivenFem> fem;            // when model = "fem"
+  std::optional<MaterialTable> material;  // from now on
+
+  bool does_nothing() const;
+  /// Whether a handle follows a path.
+  bool is_animated() const;
+};
+
+struct Scene {
+  std::string file;
+  std::string volume_path;  // resolved
+  ReadOptions read;
+  std::string warp_path;    // resolved; the volume is seen through it; empty: as it is
+  std::string labels_path;  // resolved; empty without labels
+  LabelNames label_names;   // of its segments
+  std::optional<MaterialTable> material;
+  std::string material_path;  // resolved; empty for an inline table
+  std::vector<SceneStep> steps;
+  std::vector<SceneView> views;
+  std::vector<OffsetFunction> path;  // of all deformed views and outputs but the state
+  SceneOutput output;
+  std::optional<Film> film;
+  std::string described;  // the file and those that it names, for records beside results
+  std::vector<std::string> warnings;  // keys by their former names
+  bool has_events = false;            // of a live session, which read_event reads
+
+  /// Every output path, relative as written; of a film, those of its frames to be made.
+  std::vector<std::string> outputs() const;
+  /// The files of one frame of a film. An output without a number is of the last one.
+  std::vector<std::string> outputs_of(int frame) const;
+  /// Whether the frames of a film are those of the motion in time of its last step.
+  bool films_motion() const;
+  /// Steps before the first whose handles follow a path: the same in all frames.
+  std::size_t still_steps() const;
+};
+
+enum class StepModel { ecm, springs, fem };
+
+/// Of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax, springs,
+/// fem.
+struct StepSettings {
+  Limits limits = Limits::box;
+  bool release = false;
+  bool no_relax = false;
+  bool shift_pieces = false, turn_pieces = false;
+  StepModel model = StepModel::ecm;
+  std::optional<NumberPair> fix_density, rigid_density;
+  double joint_mm = 0;
+};
+Fields fields(StepSettings& settings);
+
+/// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.
+MaterialTable read_material_choice(TomlTable& table, const LabelNames& names,
+                                   std::string* path = nullptr);
+
+/// One of [[step]].
+SceneStep read_step(TomlTable& table, const LabelNames& names);
+
+/// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
+Scene read_scene(const std::string& path);
+/// The root of a file, or the options of a command as one.
+Scene read_scene(TomlTable root);
+
+}  // namespace supple::tools

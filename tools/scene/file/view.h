@@ -1,0 +1,84 @@
+// A picture as a scene's [[view]] or the options of `supple render` ask for it.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "lib/material/toml_table.h"
+#include "raycast/render.h"
+#include "raycast/scene/camera.h"
+#include "raycast/scene/clip.h"
+#include "raycast/scene/transfer_function.h"
+#include "tools/scene/file/camera_keys.h"
+#include "tools/scene/file/offset_functions.h"
+#include "tools/scene/file/slice_view.h"
+#include "tools/scene/file/tissue_marks.h"
+#include "tools/scene/file/view_light.h"
+#include "tools/scene/pictures/decoration.h"
+#include "tools/scene/pictures/picture_options.h"
+
+namespace supple::tools {
+
+/// A clip as given: a box in voxels needs the volume's geometry.
+struct ClipChoice {
+  Clip clip;  // its region is empty for a box in voxels
+  std::optional<std::pair<Vec3d, Vec3d>> voxel_corners;
+};
+
+/// How rays are sampled, as given; by default as RenderSettings says.
+struct Sampling {
+  Quality quality = Quality::standard;
+  std::optional<double> step_voxels;                    // instead of the quality's
+  Interpolation interpolation = Interpolation::linear;  // a renderer's, not of its settings
+  Classification classification = RenderSettings().classification;
+  bool jitter = RenderSettings().jitter;
+
+  void apply_to(RenderSettings& settings) const;
+};
+
+/// Whose program casts the rays of a picture.
+enum class Caster { supple, vtk };
+
+struct SceneView {
+  std::string place;
+  std::string image;
+  std::string preset;                        // a name; empty: chosen by the densities
+  std::optional<TransferFunction> transfer;  // of a file, instead of a preset
+  std::vector<ClipChoice> clips;
+  std::vector<OffsetFunction> path;  // that the body is seen along
+  Lighting lighting;
+  std::vector<MeshChoice> meshes;
+  bool clip_meshes = false;
+  CameraChoice camera;
+  std::vector<CameraKey> camera_keys;  // of a film, times ascend
+  std::string fit;                     // box, body or visible; empty: a named view frames the box
+  double zoom = 1;
+  Decoration decoration;
+  TissueMarks marks;
+  bool outline = false;  // of the body at rest
+  PixelSize size{RenderSettings().width, RenderSettings().height};
+  Sampling sampling;
+  Caster caster = Caster::supple;
+  bool deformed = true;
+  bool inverse = true;        // false: each sample solves for itself where it reads the source
+  bool half_offsets = false;  // every second one along each axis
+  bool lattice = false;
+  PictureOptions picture;
+  std::optional<SliceChoice> slice;  // slices instead of a picture in space
+  std::optional<int> after_step;     // 0: before the first; absent: after the last
+};
+
+/// Of a table `clip`, but for its region: a plane or a box.
+Fields fields(Clip& clip);
+/// Of a [[view]], but for its tables: camera, clip, light, mesh, path, slice.
+Fields fields(SceneView& view);
+
+/// A table [[view]] of a scene with that many steps. Throws InputError as TomlTable does.
+SceneView read_view(TomlTable& table, int steps);
+
+/// The clips of a view of the volume.
+std::vector<Clip> resolve_clips(const std::vector<ClipChoice>& choices, const Geometry& geometry);
+
+}  // namespace supple::tools

@@ -1,0 +1,98 @@
+#include "tools/scene/live/held_parts.h"
+
+#include <algorithm>
+
+#include "tools/scene/file/json.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// Of a handle's or a step's keys those that say what it takes hold of.
+std::string selection_keys(const Json& all) {
+  std::vector<std::string> names = {"grab", "grab_box", "at_mm",       "points", "grab_label",
+                                    "soft", "push",     "spare_fixed", "slide"};
+  GivenSelection selection;
+  for (const Field& field : fields(selection)) names.push_back(field.name());
+  Json keys = Json::object();
+  for (const auto& [name, value] : all.items()) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) keys[name] = value;
+  }
+  return keys.dump();
+}
+
+HeldPart anchor_of(const GivenSelection& given, const Json& keys) {
+  HeldPart part;
+  static_cast<GivenSelection&>(part.given) = given;
+  part.keys = keys.dump();
+  return part;
+}
+
+HeldPart anchor_of(const IndexBox& box) {
+  GivenSelection given;
+  given.corners = {Vec3d(box.lo), Vec3d(box.hi)};
+  const Json corners = {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
+  return anchor_of(given, {{"grab_box", corners}});
+}
+
+/// As it is held, without what moved it.
+HeldPart handle_of(const GivenHandle& moved, const Json& keys) {
+  HeldPart part;
+  static_cast<GivenSelection&>(part.given) = moved;
+  part.given.by = Vec3d(0);
+  part.given.soft_mm = moved.soft_mm;
+  part.given.push = moved.push;
+  part.given.spares_fixed = moved.spares_fixed;
+  part.given.slides = moved.slides;
+  part.keys = selection_keys(keys);
+  return part;
+}
+
+void add_parts(const LiveSession::DoneStep& done, HeldParts& parts) {
+  const SceneStep& step = done.step;
+  const Json keys = Json::parse(done.keys);
+  if (step.release) parts = {};
+  for (std::size_t n = 0; n < step.handles.size(); ++n) {
+    parts.handles.push_back(
+        handle_of(step.handles[n], keys.contains("handles") ? keys["handles"][n] : keys));
+  }
+  const Json anchors = keys.value("anchors", Json::array());
+  for (std::size_t n = 0; n < step.anchors.size(); ++n) {
+    parts.anchors.push_back(anchor_of(step.anchors[n], anchors.is_array() ? anchors[n] : anchors));
+  }
+  for (const IndexBox& box : step.fix) parts.anchors.push_back(anchor_of(box));
+  parts.has_others = parts.has_others || !step.fix_labels.empty() || !step.fix_points.empty();
+}
+
+}  // namespace
+
+HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done) {
+  HeldParts parts;
+  int last_stroke = -1;
+  for (const LiveSession::DoneStep& step : done) {
+    const bool is_same_drag = step.kind == EventKind::drag && step.stroke == last_stroke;
+    last_stroke = step.stroke;
+    if (!is_same_drag) add_parts(step, parts);
+  }
+  return parts;
+}
+
+SceneStep step_that_keeps(const HeldParts& parts, std::string& keys) {
+  SceneStep step;
+  step.release = step.no_relax = true;
+  Json json = {{"release", true}, {"no_relax", true}};
+  for (const HeldPart& part : parts.handles) {
+    step.handles.push_back(part.given);
+    Json handle = Json::parse(part.keys);
+    handle["by"] = {0, 0, 0};
+    json["handles"].push_back(handle);
+  }
+  for (const HeldPart& part : parts.anchors) {
+    step.anchors.push_back(part.given);
+    json["anchors"].push_back(Json::parse(part.keys));
+  }
+  keys = json.dump();
+  return step;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,24 @@
+// What the steps of a live session hold and fix, one by one, as people let go of them.
+#pragma once
+
+#include "tools/scene/live/live_session.h"
+
+namespace supple::tools {
+
+struct HeldPart {
+  GivenHandle given;  // of an anchor its selection alone
+  std::string keys;   // JSON: those of its selection, and how soft a handle is
+};
+
+struct HeldParts {
+  std::vector<HeldPart> handles, anchors;
+  bool has_others = false;  // fixed labels or points, which are not taken one by one
+};
+
+/// Since everything was let go of last. Drags of one stroke are one handle.
+HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done);
+
+/// A step that lets go of everything but these, which stay where they are. Sets `keys` to its JSON.
+SceneStep step_that_keeps(const HeldParts& parts, std::string& keys);
+
+}  // namespace supple::tools

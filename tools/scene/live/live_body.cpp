@@ -1,0 +1,139 @@
+#include "tools/scene/live/live_body.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "volumes/grid/cell.h"
+
+namespace supple::tools {
+
+LiveBody::LiveBody(Session& session, Interpolation interpolation, Progress& progress)
+    : m_session(session), m_progress(progress), m_interpolation(interpolation) {
+  open(interpolation);
+}
+
+std::vector<std::int32_t> LiveBody::take(Changed& changed) {
+  const Changed taken = std::exchange(changed, {});
+  return {taken.begin(), taken.end()};
+}
+
+void LiveBody::open(Interpolation interpolation) {
+  m_interpolation = interpolation;
+  ++m_opened_count;
+  m_renderer.reset();
+  m_inversion.reset();
+  m_forward.reset();
+  m_state = m_session.state();
+  m_moved = std::make_unique<LiveDisplacement>(m_state.geometry, m_state.elements,
+                                               m_state.density.bricks());
+  m_moved->update(m_state.q);
+  m_cuts = m_session.cuts();
+  m_inversion = new_inversion();
+  m_forward = std::make_shared<ForwardOffsets>(displacement(), &m_state.elements);
+  m_renderer = std::make_unique<Renderer>(m_state.geometry, m_state.density, 0, interpolation);
+  m_for_forward.clear();
+  m_for_inverse.clear();
+  m_shown = Shown::nothing;
+  m_renderer_follows = false;
+  m_field.reset();
+  m_is_stale = false;
+}
+
+bool LiveBody::follow() {
+  const Body& body = m_session.body();
+  if (!(body.elements == m_state.elements)) {
+    open(m_interpolation);
+    return true;
+  }
+  const std::vector<std::int32_t> changed = m_moved->update(body.q);
+  m_for_forward.insert(changed.begin(), changed.end());
+  m_for_inverse.insert(changed.begin(), changed.end());
+  const LinkCuts& cuts = m_session.cuts();
+  const bool is_cut = cuts != m_cuts;
+  if (is_cut) m_cuts = cuts;
+  m_is_stale = m_is_stale || is_cut || !changed.empty();
+  return is_cut || !changed.empty();
+}
+
+void LiveBody::show_forward() {
+  const Stopwatch time;
+  const double bricks = double(m_for_forward.size());
+  const bool is_changed = !m_for_forward.empty();
+  if (is_changed) m_forward->update(take(m_for_forward));
+  if (is_changed || m_shown != Shown::forward) m_renderer->set_pointwise_offsets(m_forward);
+  m_shown = Shown::forward;
+  m_forward_brick.add(time.ms(), bricks);
+}
+
+void LiveBody::show_inverse(OffsetResolution resolution) {
+  if (m_shown == Shown::inverse && !m_is_stale) return;
+  const Stopwatch time;
+  const double bricks = double(m_for_inverse.size());
+  const bool follows = std::exchange(m_renderer_follows, false);  // unless it throws
+  const std::vector<Vec3i> touched = update_inverse();
+  if (!follows || resolution == OffsetResolution::half) {
+    m_renderer->set_offsets(&inverse(), resolution);
+  } else {
+    m_renderer->update_offsets(touched, m_inversion->finder(), m_inversion->split());
+  }
+  m_renderer_follows = true;
+  m_shown = Shown::inverse;
+  m_inverse_brick.add(time.ms(), bricks);
+}
+
+/// The bricks that are others than before. An inversion that throws is made anew the next time.
+std::vector<Vec3i> LiveBody::update_inverse() {
+  if (!m_is_stale) return {};
+  m_field.reset();
+  std::vector<Vec3i> touched;
+  std::unique_ptr<IncrementalCutInversion> inversion = std::move(m_inversion);
+  const std::vector<std::int32_t> changed = take(m_for_inverse);
+  if (inversion) {
+    inversion->set_cuts(m_cuts);
+    touched = inversion->update(displacement(), changed);
+  } else {
+    inversion = new_inversion();
+  }
+  m_inversion = std::move(inversion);
+  m_is_stale = false;
+  return touched;
+}
+
+std::unique_ptr<IncrementalCutInversion> LiveBody::new_inversion() {
+  InvertParams params;
+  params.material = &m_state.elements;
+  return std::make_unique<IncrementalCutInversion>(
+      displacement(), CutElements{m_state.elements, m_cuts}, params, &m_progress);
+}
+
+void LiveBody::show_rest() {
+  if (m_shown != Shown::rest) m_renderer->set_offsets(nullptr);
+  m_renderer_follows = false;
+  m_shown = Shown::rest;
+}
+
+const OffsetField& LiveBody::inverse() {
+  if (!m_field) m_field = m_inversion->offsets();
+  return *m_field;
+}
+
+RestPlaceAt rest_places(LiveBody& body) {
+  if (!body.shows_forward()) {
+    return [&offsets = body.inverse()](const Vec3d& index, Vec3d& at_rest) {
+      return offsets.source_of(index, at_rest);
+    };
+  }
+  const State& opened = body.opened();
+  return [&forward = body.forward(), &tissue = opened.density.bricks(),
+          dims = opened.geometry.dims()](const Vec3d& index, Vec3d& at_rest) {
+    PointwiseOffsets::Sample found;
+    const Vec3i voxel(int(std::lround(index.x)), int(std::lround(index.y)),
+                      int(std::lround(index.z)));
+    const std::int32_t brick = forward.bricks().find(voxel);
+    if (brick >= 0 && !forward.sample(std::size_t(brick), index, found)) return false;
+    at_rest = within_border(index + found.offset, dims);
+    return brick >= 0 || tissue.is_active(voxel);
+  };
+}
+
+}  // namespace supple::tools

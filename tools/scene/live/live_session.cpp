@@ -1,0 +1,331 @@
+#include "tools/scene/live/live_session.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/scene/file/run_step.h"
+#include "tools/scene/live/held_parts.h"
+#include "tools/scene/live/live_record.h"
+#include "tools/scene/live/model_price.h"
+#include "tools/scene/plan/memory_need.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// As in a scene, not as records name them.
+nlohmann::ordered_json relax_keys(RelaxParams params) {
+  nlohmann::ordered_json keys;
+  for (const Field& field : fields(params)) {
+    keys[field.name()] = nlohmann::ordered_json::parse(field.json());
+  }
+  return keys;
+}
+
+void require_one_thing(const LiveEvent& event) {
+  const bool is_cut = event.cut > 0;
+  const char* const field = event.handle > 0 ? "handle" : event.anchor > 0 ? "anchor" : "cut";
+  const int things = int(event.all) + int(event.handle > 0) + int(event.anchor > 0) + int(is_cut);
+  if (things <= 1 && !(is_cut && event.restore)) return;
+  throw InputError(
+      {event.place, field, "more than one thing to let go of", "handle, anchor, cut or all"});
+}
+
+bool has_anchors(const State& state) {
+  return !state.anchors.empty() || !state.anchor_labels.empty() || !state.anchor_selections.empty();
+}
+
+}  // namespace
+
+LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(read_scene(root)) {
+  for (const std::string& line : m_scene.warnings) warn(progress, line);
+  if (!m_scene.warp_path.empty() || !m_scene.path.empty() || m_scene.film) {
+    throw InputError({m_scene.file, "", "a warp, path or film", "a body that events move"});
+  }
+  read_head(root);
+  choose_view(root, progress);
+  read_events(root);
+  const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, true};
+  require_memory_to_open(m_scene, progress);
+  m_session = std::make_unique<Session>(m_scene.volume_path, options, progress);
+  if (m_session->geometry().dims().z == 1) {
+    throw InputError({m_scene.volume_path, "", "one slice", "a volume of several slices"});
+  }
+  const bool is_state = std::filesystem::path(m_scene.volume_path).extension() == ".vdb";
+  m_is_state_anchored = is_state && has_anchors(m_session->state());
+}
+
+void LiveSession::read_events(const TomlTable& whole) {
+  TomlTable root = whole;
+  for (TomlTable& table : root.tables("event")) {
+    m_events.push_back(read_event(table, m_scene.label_names));
+  }
+  for (LiveEvent& event : m_events) event.keys = with_absolute_paths(event.keys, root).dump();
+  const nlohmann::ordered_json file = with_absolute_paths(root.json(), root);
+  if (!m_events.empty() && !m_scene.steps.empty()) {
+    throw InputError({m_scene.steps.front().place, "step", "a step beside events",
+                      "events of a journal, or steps of a scene"});
+  }
+  for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
+    LiveEvent event;
+    event.place = m_scene.steps[n].place;
+    event.step = m_scene.steps[n];
+    event.keys = file["step"][n].dump();
+    m_events.push_back(std::move(event));
+  }
+}
+
+void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
+  try {
+    act_on(event, progress);
+  } catch (const InputError& error) {
+    Problem problem = error.problem();
+    const bool is_of_view_text = problem.file.rfind(event.place + ":", 0) == 0;
+    if (problem.file.empty() || is_of_view_text) problem.file = event.place;
+    throw InputError(problem);
+  }
+}
+
+/// A hand that holds something is one page's; what no page holds is anybody's to go on with.
+void LiveSession::require_own_grab(const LiveEvent& event) {
+  const bool is_of_hand = event.kind == EventKind::grab || event.kind == EventKind::push ||
+                          event.kind == EventKind::drag || event.kind == EventKind::release;
+  if (!m_grab || !is_of_hand || event.page == 0) return;
+  if (m_grab->page == 0) m_grab->page = event.page;
+  if (m_grab->page == event.page) return;
+  throw InputError({event.place, name_of(event.kind), "a handle that another page holds",
+                    "it when that page has let go"});
+}
+
+void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
+  require_own_grab(event);
+  if (event.is_of_view()) {
+    change_view(event);
+    return;
+  }
+  stop();
+  switch (event.kind) {
+    case EventKind::grab:
+    case EventKind::push: {
+      SceneStep asked = event.step;
+      asked.handles.front().by = Vec3d(0);
+      check_step(asked, m_session->geometry());
+      check_step(*m_session, asked);
+      m_grab = event;
+      m_reached = Vec3d(0);
+      m_led.reset();
+      m_grab_stroke = ++m_stroke;
+      break;
+    }
+    case EventKind::drag:
+      drag(event, progress);
+      break;
+    case EventKind::release:
+      require_one_thing(event);
+      if (event.cut == 0) return release(event, progress);
+      take_out_cut(event, progress);
+      break;
+    case EventKind::cut:
+      run(event.kind, event.step,
+          nlohmann::ordered_json({{"cut", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
+          progress);
+      break;
+    case EventKind::anchor:
+      run(event.kind, event.step,
+          nlohmann::ordered_json({{"anchors", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
+          progress);
+      break;
+    case EventKind::model:
+      m_model.reset();
+      if (event.step.springs || event.step.fem) m_model = event;
+      if (const auto price = price_of(event, *m_session)) note(progress, price->text);
+      break;
+    case EventKind::relax:
+      return relax(event, event.step.relax->passes, progress);
+    case EventKind::limits:
+      m_limits = event.limits;
+      break;
+    case EventKind::undo:
+      take_back(event.all, event.looks);
+      break;
+    case EventKind::redo:
+      make_again(event.all, event.looks, progress);
+      break;
+    default:
+      run(event.kind, event.step, event.keys, progress);
+  }
+  record(event);
+}
+
+/// From where the handle has got to, so that one that an anchor stopped follows at once when it
+/// is led back.
+void LiveSession::drag(const LiveEvent& event, Progress* progress) {
+  if (!m_grab) {
+    throw InputError({event.place, "drag", "nothing that is grabbed", "grab or push before it"});
+  }
+  const Vec3d by = event.to - m_reached;
+  if (by == Vec3d(0)) return;
+  SceneStep step;
+  step.place = event.place;
+  step.handles = m_grab->step.handles;
+  step.handles.front().by = by;
+  step.no_relax = true;
+  step.shift_pieces = !m_session->body().rigid.empty() && model() != StepModel::springs;
+  if (model() == StepModel::springs) {
+    step.springs = m_model->step.springs;
+  } else {
+    step.limits = m_limits;
+  }
+  check_step(step, m_session->geometry());
+  nlohmann::ordered_json handle = nlohmann::ordered_json::parse(m_grab->keys);
+  handle["by"] = {by.x, by.y, by.z};
+  if (step.handles.front().push) handle["push"] = true;
+  nlohmann::ordered_json keys = {{"handles", {handle}}, {"no_relax", true}};
+  if (step.shift_pieces) keys["shift_pieces"] = true;
+  if (step.springs) {
+    keys.update(nlohmann::ordered_json::parse(m_model->keys));
+  } else if (m_limits != Limits::box) {
+    keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
+  }
+  const Vec3d before = m_reached;
+  run(event.kind, step, keys.dump(), progress);
+  const StepRecord& record = m_session->records().back();
+  m_reached = before + way_done(record, by);
+  const std::int64_t moved = m_led ? m_led->moved : 0;
+  m_led = {event.to, m_reached, record.contact.parts < kContactParts,
+           std::max(moved, record.report.moved)};
+  m_done.back().reached_before = before;
+  m_done.back().reached = m_reached;
+}
+
+/// Then finite elements take over, or pieces that were dragged along turn and tissue relaxes where
+/// the material asks for it. All are recorded as events of their own.
+void LiveSession::release(const LiveEvent& event, Progress* progress) {
+  LiveEvent carried_out = event;
+  const auto is_last_a_drag = [&] {
+    return m_grab && !m_done.empty() && m_done.back().stroke == m_grab_stroke;
+  };
+  const bool was_dragged = is_last_a_drag();
+  while (event.restore && is_last_a_drag() && take_back()) {
+  }
+  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
+  const bool is_for_fem = was_dragged && model() == StepModel::fem;
+  const bool is_unsettled = !event.restore && (is_for_fem || m_session->has_shifted_pieces());
+  if (event.all) {
+    if (is_unsettled) settle_drags(progress);
+    SceneStep step;
+    step.place = event.place;
+    step.release = true;
+    run(event.kind, step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
+  }
+  if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, is_unsettled, progress);
+  m_grab.reset();
+  const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
+                       m_session->material().relaxes && !m_model && m_limits != Limits::ball;
+  m_is_unsettled = is_unsettled && !lets_go && !event.no_relax;
+  carried_out.no_relax = event.no_relax || relaxes || m_is_unsettled;
+  record(carried_out);
+  if (!relaxes) return;
+  LiveEvent relaxation;
+  relaxation.kind = EventKind::relax;
+  relaxation.place = event.place;
+  relaxation.at_ms = event.at_ms;
+  relaxation.step.relax = tissue_relaxation(m_session->material().relaxes_by_poisson);
+  relaxation.keys = relax_keys(*relaxation.step.relax).dump();
+  m_relaxation = relaxation;
+  m_pending = relaxation.step.relax->passes;
+}
+
+bool LiveSession::can_let_go_of_one() const {
+  const bool was_released = std::any_of(m_done.begin(), m_done.end(),
+                                        [](const DoneStep& done) { return done.step.release; });
+  return (!m_is_state_anchored || was_released) && !held_parts(m_done).has_others;
+}
+
+/// A session lets go of everything; what stays is held and fixed again in the same step.
+void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* progress) {
+  const bool is_handle = event.handle > 0;
+  const char* const field = is_handle ? "handle" : "anchor";
+  const int number = is_handle ? event.handle : event.anchor;
+  HeldParts parts = held_parts(m_done);
+  std::vector<HeldPart>& list = is_handle ? parts.handles : parts.anchors;
+  if (std::size_t(number) > list.size()) {
+    throw InputError({event.place, field, std::to_string(number),
+                      "one of " + std::to_string(list.size()) + " that there are, from 1"});
+  }
+  if (!can_let_go_of_one()) {
+    throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
+                      "all, which lets go of everything"});
+  }
+  if (settles) settle_drags(progress);
+  list.erase(list.begin() + number - 1);
+  std::string keys;
+  SceneStep step = step_that_keeps(parts, keys);
+  step.place = event.place;
+  run(event.kind, step, keys, progress);
+}
+
+void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& keys,
+                      Progress* progress) {
+  run_step(*m_session, step, false, progress);
+  m_undone.clear();
+  m_undone_looks.clear();
+  m_done.push_back({kind, stroke_of(kind, step), ++m_order, step, keys, m_reached, m_reached});
+}
+
+/// Handles are held where the drags left them.
+void LiveSession::settle_drags(Progress* progress) {
+  LiveEvent event;
+  event.kind = EventKind::step;
+  if (model() == StepModel::fem) {
+    event.step.fem = m_model->step.fem;
+    event.keys = m_model->keys;
+  } else {
+    event.step.turn_pieces = true;
+    event.keys = nlohmann::ordered_json({{"turn_pieces", true}}).dump();
+  }
+  run(event.kind, event.step, event.keys, progress);
+  m_is_unsettled = false;
+  record(event);
+}
+
+void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) {
+  LiveEvent slice = event;
+  slice.step.relax->passes = std::min(passes, kSlicePasses);
+  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(event.keys);
+  keys["passes"] = slice.step.relax->passes;
+  slice.keys = keys.dump();
+  SceneStep step;
+  step.place = event.place;
+  step.relax = slice.step.relax;
+  run(event.kind, step, nlohmann::ordered_json({{"relax", relax_keys(*slice.step.relax)}}).dump(),
+      progress);
+  const RelaxReport& done = m_session->records().back().relaxed;
+  m_pending = done.end == RelaxEnd::passes ? passes - slice.step.relax->passes : 0;
+  record(slice);
+  m_relaxation = event;
+  double& budget = m_relaxation->step.relax->budget_million;
+  if (budget <= 0) return;
+  budget -= done.looked_at_million;
+  keys["budget"] = budget;
+  m_relaxation->keys = keys.dump();
+}
+
+void LiveSession::go_on(Progress* progress) {
+  if (m_is_unsettled) return settle_drags(progress);
+  if (m_pending > 0) relax(*m_relaxation, m_pending, progress);
+}
+
+void LiveSession::stop() {
+  m_pending = 0;
+  m_is_unsettled = false;
+}
+
+StepModel LiveSession::model() const {
+  if (!m_model) return StepModel::ecm;
+  return m_model->step.fem ? StepModel::fem : StepModel::springs;
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,150 @@
+// A session that follows events: each that changes the body becomes a step of it, so that a batch
+// scene of these steps gives the same state, bit for bit, whatever time or threads they took.
+// Free rigid pieces shift while they are dragged along and turn after the release, and finite
+// elements take over then. That, and relaxation in slices, waits while new events come. The view
+// follows, too.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lib/session/session.h"
+#include "tools/scene/file/live_event.h"
+
+namespace supple::tools {
+
+/// Passes of relaxation after which a new event may come; a relaxation of more is as many events.
+constexpr int kSlicePasses = 5;
+
+class LiveSession {
+ public:
+  /// Opens what the root of a journal or a scene describes; its events or steps are left to
+  /// events(). Throws InputError as read_scene and Session, and where it has both.
+  LiveSession(const TomlTable& root, Progress* progress);
+
+  /// Those of a journal; of a scene its steps, each as one event.
+  const std::vector<LiveEvent>& events() const { return m_events; }
+
+  /// Does what the event says; of a relaxation its first passes, see has_more(). Throws InputError
+  /// with the event's place, and Cancelled: nothing has changed then.
+  void carry_out(const LiveEvent& event, Progress* progress = nullptr);
+  /// Whether drags are still to be settled, by turns of pieces or finite elements, or tissue to
+  /// relax; any event but those of the view ends it.
+  bool has_more() const { return m_is_unsettled || m_pending > 0; }
+  /// Whether the first of it settles drags, which may take long.
+  bool is_unsettled() const { return m_is_unsettled; }
+  /// A slice of that. Throws Cancelled: it is still to be done.
+  void go_on(Progress* progress = nullptr);
+  void stop();
+  /// Passes of relaxation that are still to be done.
+  int passes_left() const { return m_pending; }
+
+  Session& session() { return *m_session; }
+  const Scene& scene() const { return m_scene; }
+  /// As the events so far ask for it.
+  const SceneView& view() const { return m_view; }
+  /// The look that a session begins with whose file has none, as if the file had it.
+  void begin_with_look(const std::string& preset);
+
+  /// Gets every event that is carried out from now on, as JSON of the keys that a journal has; one
+  /// that replaces the last says all that that one did.
+  using Recorder = std::function<void(const std::string& keys, bool replaces_last)>;
+  void record_with(Recorder recorder) { m_recorder = std::move(recorder); }
+
+  /// A step of the session, and where its handle had been before. Steps of one stroke, drags
+  /// since a grab or slices of relaxation in a row, are undone together where that is asked for.
+  struct DoneStep {
+    EventKind kind;
+    int stroke;
+    int order;  // among steps, looks and clips
+    SceneStep step;
+    std::string keys;  // JSON, of a [[step]]
+    Vec3d reached_before;
+    Vec3d reached;
+  };
+  const std::vector<DoneStep>& done() const { return m_done; }
+  /// The last is redone first.
+  const std::vector<DoneStep>& undone() const { return m_undone; }
+  /// A look or clips, and what they replaced: JSON of that part of the view.
+  struct DoneLook {
+    EventKind kind;
+    int order;
+    double at_ms;
+    std::string before, after;
+  };
+  const std::vector<DoneLook>& looks() const { return m_looks; }
+  const std::vector<DoneLook>& undone_looks() const { return m_undone_looks; }
+  /// What is grabbed, and how far it has come, as `to` counts.
+  const std::optional<LiveEvent>& grabbed() const { return m_grab; }
+  const Vec3d& reached() const { return m_reached; }
+  /// Where the last drag was to lead what is or was grabbed last, and where it led it; counted as
+  /// `to`.
+  struct LedDrag {
+    Vec3d asked{0, 0, 0}, reached{0, 0, 0};
+    bool by_cut = false;     // the sides of a cut stopped it
+    std::int64_t moved = 0;  // elements, at most by one drag since the grab
+  };
+  const std::optional<LedDrag>& led() const { return m_led; }
+  /// Whether one handle or anchor may be let go of while others stay: not beside fixed labels and
+  /// points, nor where the opened state fixes elements.
+  bool can_let_go_of_one() const;
+  Limits limits() const { return m_limits; }
+  StepModel model() const;
+
+  /// What was carried out, as a file that replays to the same state.
+  std::string journal() const;
+  /// The steps that are not taken back, as a scene that `supple run` brings to the same state.
+  std::string batch_scene() const;
+
+ private:
+  void read_head(const TomlTable& root);
+  void read_events(const TomlTable& root);
+  void choose_view(const TomlTable& root, Progress* progress);
+  void require_own_grab(const LiveEvent& event);
+  void act_on(const LiveEvent& event, Progress* progress);
+  void drag(const LiveEvent& event, Progress* progress);
+  void release(const LiveEvent& event, Progress* progress);
+  void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);
+  void take_out_cut(const LiveEvent& event, Progress* progress);
+  void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
+  void settle_drags(Progress* progress);
+  int stroke_of(EventKind kind, const SceneStep& step);
+  bool take_back();
+  void take_back(bool whole_stroke, bool looks);
+  void make_again(const DoneStep& done, Progress* progress);
+  void make_again(bool whole_stroke, bool looks, Progress* progress);
+  void relax(const LiveEvent& event, int passes, Progress* progress);
+  void record(const LiveEvent& event, bool replaces_last = false);
+  void change_view(const LiveEvent& event);
+  void set_part_of_view(EventKind kind, const std::string& part, const std::string& place);
+  bool take_look_back();
+  bool make_look_again();
+
+  Scene m_scene;
+  TomlTable::Admits m_admits;  // asks before files are read that events name
+  std::string m_head;          // JSON: the file without steps, events and outputs, paths absolute
+  std::vector<LiveEvent> m_events;
+  std::vector<std::string> m_carried_out;  // JSON
+  EventKind m_last_recorded = EventKind::step;
+  Recorder m_recorder;
+  std::unique_ptr<Session> m_session;
+  bool m_is_state_anchored = false;  // the opened state fixes elements
+  SceneView m_view;
+  std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
+  std::optional<LiveEvent> m_grab;
+  std::optional<LiveEvent> m_model;     // of springs or finite elements
+  int m_stroke = 0, m_grab_stroke = 0;  // the last number of all; of the drags since the grab
+  Vec3d m_reached{0, 0, 0};             // by the handle that is grabbed, as `to` counts
+  std::optional<LedDrag> m_led;
+  Limits m_limits = Limits::box;
+  std::vector<DoneStep> m_done, m_undone;
+  std::vector<DoneLook> m_looks, m_undone_looks;
+  int m_order = 0;  // of the last step, look or clips
+  std::optional<LiveEvent> m_relaxation;
+  int m_pending = 0;
+  bool m_is_unsettled = false;
+};
+
+}  // namespace supple::tools

@@ -1,0 +1,27 @@
+#include "tools/scene/live/model_price.h"
+
+#include "tools/scene/file/run_step.h"
+#include "tools/scene/plan/model_plan.h"
+
+namespace supple::tools {
+
+std::optional<ModelPrice> price_of(const LiveEvent& model, const Session& session) {
+  if (!model.step.springs && !model.step.fem) return std::nullopt;
+  const StepRequest request = request_of(model.step, session.geometry());
+  const ModelPlan plan = plan_model(request, session, read_costs(calibration_file()));
+  return ModelPrice{price_text(plan, request, session), plan.seconds};
+}
+
+std::optional<LiveEvent> first_model(LiveSession& live) {
+  const MaterialTable& material = live.session().material();
+  bool has_stiffness = material.stiffness.has_value();
+  for (const auto& [label, table] : material.labels) has_stiffness |= table.stiffness.has_value();
+  if (!has_stiffness) return std::nullopt;
+  TomlTable root = TomlTable::parse(
+      "[[event]]\nkind = \"model\"\nmodel = \"fem\"\nfem = { accuracy = \"picture\", "
+      "beyond_limits = \"keep\" }\n",
+      "the model of a body with stiffness");
+  return read_event(root.tables("event").front(), live.scene().label_names);
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,164 @@
+#include "tools/scene/peers/peer_process.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "volumes/base/error.h"
+#include "volumes/base/own_process.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr const char* kServer = "/usr/bin/Xvfb";
+
+double now_ms() {
+  return std::chrono::duration<double, std::milli>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
+/// The environment of this program, and before it what takes precedence.
+std::vector<std::string> environment_with(const std::vector<std::string>& more) {
+  std::vector<std::string> all = more;
+  for (char** entry = environ; *entry != nullptr; ++entry) all.emplace_back(*entry);
+  return all;
+}
+
+}  // namespace
+
+PeerProcess::PeerProcess(const std::vector<std::string>& arguments,
+                         const std::vector<std::string>& environment)
+    : m_name(std::filesystem::path(arguments.front()).filename()) {
+  int ends[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
+    throw SystemError(m_name + ": " + std::strerror(errno));
+  }
+  m_socket = ends[0];
+  posix_spawn_file_actions_t actions;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawn_file_actions_adddup2(&actions, ends[1], 0);
+  ::posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
+  ::posix_spawn_file_actions_addopen(&actions, 2, (m_scratch / "stderr").c_str(),
+                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
+  std::vector<std::string> words = arguments, variables = environment_with(environment);
+  m_own_mbytes = rss_mb();
+  m_start_ms = now_ms();
+  pid_t pid = -1;
+  const int failure = ::posix_spawn(&pid, words.front().c_str(), &actions, nullptr,
+                                    pointers_to(words).data(), pointers_to(variables).data());
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::close(ends[1]);
+  if (failure != 0) {
+    ::close(m_socket);
+    throw SystemError(arguments.front() + ": " + std::strerror(failure));
+  }
+  m_pid = pid;
+}
+
+PeerProcess::~PeerProcess() {
+  if (m_pid >= 0) {
+    ::kill(m_pid, SIGTERM);
+    ::waitpid(m_pid, nullptr, 0);
+  }
+  ::close(m_socket);
+}
+
+/// The last line on stderr.
+std::string PeerProcess::complaint() const {
+  std::ifstream stream(m_scratch / "stderr");
+  std::string last;
+  for (std::string line; std::getline(stream, line);) {
+    if (!line.empty()) last = line;
+  }
+  return m_name + ": " + (last.empty() ? "failed" : last);
+}
+
+std::string PeerProcess::read_line(const Progress* progress) {
+  constexpr int kAskEvery_ms = 50;
+  for (;;) {
+    const std::size_t end = m_unread.find('\n');
+    if (end != std::string::npos) {
+      const std::string line = m_unread.substr(0, end);
+      m_unread.erase(0, end + 1);
+      return line;
+    }
+    if (progress != nullptr && progress->cancelled()) throw Cancelled();
+    struct pollfd waiting = {m_socket, POLLIN, 0};
+    if (progress != nullptr && ::poll(&waiting, 1, kAskEvery_ms) <= 0) continue;
+    char buffer[4096];
+    const ssize_t count = ::read(m_socket, buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) throw Error(complaint());
+    m_unread.append(buffer, std::size_t(count));
+  }
+}
+
+std::string PeerProcess::ask(const std::string& line, const Progress* progress) {
+  const std::string text = line + "\n";
+  if (::send(m_socket, text.data(), text.size(), MSG_NOSIGNAL) != ssize_t(text.size())) {
+    throw Error(complaint());
+  }
+  return read_line(progress);
+}
+
+ProcessCost PeerProcess::finish() {
+  ::shutdown(m_socket, SHUT_WR);
+  int status = 0;
+  struct rusage usage {};
+  while (::wait4(m_pid, &status, 0, &usage) < 0 && errno == EINTR) {
+  }
+  ProcessCost cost;
+  cost.wall_ms = now_ms() - m_start_ms;
+  m_pid = -1;
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) throw Error(complaint());
+  const double peak = double(usage.ru_maxrss) * 1024 / 1e6;
+  if (peak > m_own_mbytes) cost.peak_mbytes = peak;
+  return cost;
+}
+
+std::string program_beside(const std::string& name) {
+  const auto program = std::filesystem::path(own_program()).parent_path() / name;
+  return std::filesystem::exists(program) ? program.string() : "";
+}
+
+bool has_python_with_vtk(const std::vector<std::string>& modules) {
+  std::string test = "import sys";
+  for (const std::string& module : modules) test += ", vtkmodules." + module;
+  try {
+    PeerProcess({kPythonWithVtk, "-c", test}).finish();
+  } catch (const Error&) {
+    return false;
+  }
+  return true;
+}
+
+bool VirtualDisplay::is_installed() {
+  return std::filesystem::exists(kServer);
+}
+
+VirtualDisplay::VirtualDisplay(bool is_for_one)
+    : m_server({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp",
+                is_for_one ? "-terminate" : "-noreset"}),
+      m_environment("DISPLAY=:" + m_server.read_line()) {}
+
+}  // namespace supple::tools

@@ -1,0 +1,26 @@
+// A plan as a table for people, and as JSON.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "tools/scene/plan/scene_plan.h"
+
+namespace supple::tools {
+
+/// Stage, what, why, memory and time of every row; what is left out; the sums.
+std::string to_text(const ScenePlan& plan);
+nlohmann::ordered_json to_json(const ScenePlan& plan);
+
+/// What came of a plan.
+struct PlanOutcome {
+  double peak_mb = 0;            // of the process
+  double seconds = 0;            // of all stages
+  double processor_seconds = 0;  // of all threads, without the planning
+};
+/// "planned …, took …" of peak memory and time.
+std::string outcome_text(const ScenePlan& plan, const PlanOutcome& outcome);
+nlohmann::ordered_json outcome_json(const ScenePlan& plan, const PlanOutcome& outcome);
+
+}  // namespace supple::tools

@@ -1,0 +1,406 @@
+#include "tools/scene/run/reports.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+namespace supple::tools {
+
+nlohmann::ordered_json vector_json(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+
+nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
+  return nlohmann::ordered_json::parse(certificate_json(certificate));
+}
+
+nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links) {
+  return {{"limits", "ball"},
+          {"moved", report.moved},
+          {"cut_links", cut_links},
+          {"moves", report.moves},
+          {"capped", report.capped},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
+namespace {
+
+nlohmann::ordered_json to_json(const ModelEnergy& energy) {
+  return {{"elastic", energy.elastic_j},
+          {"kinetic", energy.kinetic_j},
+          {"gravity", energy.gravity_j},
+          {"total", energy.total_j()}};
+}
+
+nlohmann::ordered_json to_json(const SpringRecord& record) {
+  nlohmann::ordered_json json = {{"steps", record.steps},
+                                 {"nodes", record.nodes},
+                                 {"springs", record.springs},
+                                 {"energy_before_j", to_json(record.before)},
+                                 {"energy_after_j", to_json(record.after)}};
+  if (record.residual_mn) json["residual_mn"] = *record.residual_mn;
+  if (record.motion) {
+    json["substeps"] = record.motion->substeps;
+    json["halvings"] = record.motion->halvings;
+    json["iterations"] = record.motion->iterations;
+    json["contacts"] = record.motion->contacts;
+    json["penetration_mm"] = record.motion->penetration_mm;
+  }
+  json["links"] = record.links.links;
+  json["violated"] = record.links.violated;
+  json["worst_excess_voxels"] = record.links.worst_excess_voxels;
+  json["springs_ms"] = record.milliseconds;
+  return json;
+}
+
+nlohmann::ordered_json to_json(const ModesRecord& record) {
+  const ModesReport& report = record.report;
+  nlohmann::ordered_json modes = nlohmann::ordered_json::array();
+  for (const ModeRow& mode : record.modes) {
+    modes.push_back({{"frequency_hz", mode.frequency_hz},
+                     {"participation_kg_half", vector_json(mode.participation_kg_half)},
+                     {"effective_mass_kg", vector_json(mode.effective_mass_kg)},
+                     {"residual", mode.residual}});
+  }
+  return {{"modes", std::move(modes)},
+          {"amplitude_mm", record.amplitude_mm},
+          {"mass_kg", report.mass_kg},
+          {"elements", report.elements},
+          {"nodes", report.nodes},
+          {"unknowns", report.unknowns},
+          {"levels", report.levels},
+          {"solutions", report.solutions},
+          {"iterations", report.iterations},
+          {"late_modes", report.late_modes},
+          {"rigid_modes", report.rigid_modes},
+          {"islands", report.islands},
+          {"loose_islands", report.loose_islands},
+          {"loose_elements", report.loose_elements},
+          {"largest_residual", report.largest_residual},
+          {"orthogonality", report.orthogonality},
+          {"bytes", report.bytes},
+          {"modes_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const MotionRecord& record) {
+  const MotionSample& end = record.samples.back();
+  double largest_mm = 0, kinetic_mj = 0;
+  for (const MotionSample& sample : record.samples) {
+    largest_mm = std::max(largest_mm, sample.largest_mm);
+    kinetic_mj = std::max(kinetic_mj, sample.energy.kinetic_mj);
+  }
+  nlohmann::ordered_json json = {{"steps", record.steps},
+                                 {"step_s", record.step_s},
+                                 {"elastic_mj", end.energy.elastic_mj},
+                                 {"kinetic_mj", end.energy.kinetic_mj},
+                                 {"work_mj", end.energy.work_mj},
+                                 {"dissipated_mj", end.energy.dissipated_mj},
+                                 {"largest_kinetic_mj", kinetic_mj},
+                                 {"energy_error", record.energy_error},
+                                 {"largest_mm", largest_mm}};
+  for (const Vec3d& u : end.watched_mm) json["watched_mm"].push_back(vector_json(u));
+  return json;
+}
+
+nlohmann::ordered_json to_json(const FemRecord& record) {
+  const FemReport& report = record.report;
+  nlohmann::ordered_json json = {{"elements", report.elements},
+                                 {"nodes", report.nodes},
+                                 {"unknowns", report.unknowns},
+                                 {"levels", report.levels},
+                                 {"iterations", report.iterations},
+                                 {"residual_max", report.residual_max},
+                                 {"residual_rms", report.residual_rms},
+                                 {"largest_force_n", report.largest_force_n},
+                                 {"force_balance", report.force_balance},
+                                 {"energy_identity", report.energy_identity},
+                                 {"energy_mj", report.energy_mj},
+                                 {"reaction_change", report.reaction_change},
+                                 {"islands", report.islands},
+                                 {"loose_islands", report.loose_islands},
+                                 {"loose_elements", report.loose_elements},
+                                 {"largest_rotation_deg", report.largest_rotation_deg},
+                                 {"largest_strain", report.largest_strain},
+                                 {"beyond_linear", report.beyond_linear},
+                                 {"beyond_elements", report.beyond_elements},
+                                 {"turned_voxel", vector_json(Vec3d(report.turned))},
+                                 {"strained_voxel", vector_json(Vec3d(report.strained))},
+                                 {"bytes", report.bytes},
+                                 {"anchor_force_n", vector_json(record.anchors.force_n)},
+                                 {"anchor_moment_nmm", vector_json(record.anchors.moment_nmm)},
+                                 {"links", record.links.links},
+                                 {"violated", record.links.violated},
+                                 {"worst_excess_voxels", record.links.worst_excess_voxels},
+                                 {"setup_ms", report.setup_ms},
+                                 {"solve_ms", report.solve_ms},
+                                 {"fem_ms", record.milliseconds}};
+  if (record.motion) {
+    for (const char* of_equilibria :
+         {"residual_rms", "largest_force_n", "force_balance", "energy_identity", "energy_mj",
+          "reaction_change", "setup_ms", "solve_ms"}) {
+      json.erase(of_equilibria);
+    }
+    json["motion"] = to_json(*record.motion);
+  }
+  for (const SharedHandle& shared : record.shared) {
+    json["shared_handles"].push_back({{"grab", shared.name},
+                                      {"asked_mm", vector_json(shared.asked_mm)},
+                                      {"reached_mm", vector_json(shared.reached_mm)},
+                                      {"off_voxels", shared.off_voxels}});
+  }
+  if (report.newton) {
+    const NewtonReport& newton = *report.newton;
+    json["newton"] = {{"load_steps", newton.load_steps},
+                      {"rejected_steps", newton.rejected_steps},
+                      {"corrections", newton.newton_iterations},
+                      {"shortened", newton.shortened_steps},
+                      {"smallest_det_f", newton.smallest_j}};
+  }
+  if (record.fitted_pieces > 0) {
+    json["fitted_pieces"] = record.fitted_pieces;
+    json["fitted_max_voxels"] = record.fitted_max_voxels;
+  }
+  for (const StrainGauge& gauge : record.gauges) {
+    nlohmann::ordered_json row = {{"label", gauge.label}, {"elements", gauge.elements}};
+    for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
+      row[std::string(kFemQuantities[n].second)] = gauge.mean[n];
+    }
+    json["gauges"].push_back(std::move(row));
+  }
+  return json;
+}
+
+nlohmann::ordered_json to_json(const CellVolumes& volumes) {
+  return {{"cells", volumes.cells},
+          {"rest_mm3", volumes.rest_mm3},
+          {"mm3", volumes.total_mm3},
+          {"ratio", volumes.ratio()},
+          {"smallest_cell_ratio", volumes.smallest},
+          {"largest_cell_ratio", volumes.largest}};
+}
+
+nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& report) {
+  nlohmann::ordered_json json = {{"method", name_of(params.method)},
+                                 {"passes", report.passes},
+                                 {"converged", report.converged},
+                                 {"ended_by", name_of(report.end)},
+                                 {"energy_before_uj", report.energy_before},
+                                 {"energy_after_uj", report.energy_after},
+                                 {"largest_step_voxels", report.largest_step_voxels},
+                                 {"yielded_links", report.yielded_links},
+                                 {"projected", report.projected_links},
+                                 {"projected_max_voxels", report.projected_max_voxels},
+                                 {"projected_held", report.projected_held},
+                                 {"relax_ms", report.milliseconds}};
+  if (report.diagonal_links > 0) {
+    json["diagonal_links"] = report.diagonal_links;
+    json["diagonal_max_voxels"] = report.diagonal_max_voxels;
+  }
+  if (report.energy_excess) json["energy_excess_uj"] = *report.energy_excess;
+  if (report.volumes_after) {
+    json["bulk_modulus_kpa"] = report.bulk_modulus_kpa;
+    if (params.poisson) json["poisson"] = true;
+    json["volumes_before"] = to_json(*report.volumes_before);
+    json["volumes_after"] = to_json(*report.volumes_after);
+  }
+  return json;
+}
+
+nlohmann::ordered_json to_json(const SidesReport& report) {
+  return {{"overlapping", report.overlapping},
+          {"deepest_voxels", report.deepest_voxels},
+          {"max_move_voxels", report.max_move_voxels},
+          {"left", report.left},
+          {"left_voxels", report.left_voxels},
+          {"voxel", {report.voxel.x, report.voxel.y, report.voxel.z}},
+          {"crushed", report.is_crushed},
+          {"part_of_drag", double(report.parts) / kContactParts}};
+}
+
+nlohmann::ordered_json to_json(const BoneStop& stop) {
+  return {{"part_of_way", stop.part},
+          {"piece", stop.piece},
+          {"other", stop.other},
+          {"voxel", {stop.voxel.x, stop.voxel.y, stop.voxel.z}},
+          {"way_mm", stop.way_mm}};
+}
+
+nlohmann::ordered_json to_json(const TightenReport& report) {
+  return {{"iterations", report.iterations},
+          {"settled", report.settled},
+          {"moved", report.moved},
+          {"links", report.links},
+          {"violated", report.violated},
+          {"worst_excess_voxels", report.worst_excess_voxels},
+          {"excess_before_voxels", report.excess_before_voxels},
+          {"excess_voxels", report.excess_voxels},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
+          {"tighten_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) {
+  return {{"limits", "box"},
+          {"fraction", report.fraction()},
+          {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
+                                 std::to_string(report.fraction_denominator)},
+          {"engine", name_of(report.engine)},
+          {"moved", report.moved},
+          {"cut_links", cut_links},
+          {"projected", report.projected_links},
+          {"projected_max_voxels", report.projected_max_voxels},
+          {"projected_held", report.projected_held},
+          {"visited", report.visited},
+          {"max_queue", report.max_queue},
+          {"solve_ms", report.milliseconds}};
+}
+
+nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const HandleReaction& held : reactions) {
+    const Vec3d& n = held.reaction.force_n;
+    json.push_back({{"step", held.step},
+                    {"handle", held.handle},
+                    {"grab", held.name},
+                    {"force_n", {n.x, n.y, n.z}},
+                    {"taut", held.reaction.taut}});
+    if (held.moment_nmm) json.back()["moment_nmm"] = vector_json(*held.moment_nmm);
+  }
+  return json;
+}
+
+}  // namespace
+
+void print_places(const std::vector<HandlePlace>& places) {
+  for (const HandlePlace& place : places) {
+    const Vec3d& voxel = place.centre_index;
+    const Vec3d& lps = place.centre_lps_mm;
+    std::printf("grab %-10s %lld %s voxel %.4g,%.4g,%.4g, LPS %.4g, %.4g, %.4g mm, density %.4g",
+                place.name.c_str(), static_cast<long long>(place.elements),
+                place.elements == 1 ? "element at" : "elements around", voxel.x, voxel.y, voxel.z,
+                lps.x, lps.y, lps.z, double(place.least_density));
+    if (place.largest_density > place.least_density) {
+      std::printf(" to %.4g", double(place.largest_density));
+    }
+    std::string labels;
+    for (const std::int32_t label : place.labels) {
+      labels += (labels.empty() ? ", label " : ", ") +
+                (label == 0 ? std::string("none") : std::to_string(label));
+    }
+    std::printf("%s\n", labels.c_str());
+  }
+}
+
+nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const HandlePlace& place : places) {
+    json.push_back({{"grab", place.name},
+                    {"elements", place.elements},
+                    {"voxel", vector_json(place.centre_index)},
+                    {"lps_mm", vector_json(place.centre_lps_mm)},
+                    {"density", {place.least_density, place.largest_density}},
+                    {"labels", place.labels}});
+  }
+  return json;
+}
+
+void print_reactions(const std::vector<HandleReaction>& reactions) {
+  for (const HandleReaction& held : reactions) {
+    const Vec3d& n = held.reaction.force_n;
+    const auto& taut = held.reaction.taut;
+    std::printf("pull at %-15s %.4g, %.4g, %.4g N (LPS)%s\n", held.name.c_str(), n.x, n.y, n.z,
+                taut[0] || taut[1] || taut[2] ? ", or more: links at their limits join it to "
+                                                "something else that is held"
+                                              : "");
+  }
+}
+
+nlohmann::ordered_json to_json(const RigidPieces& pieces) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const RigidPiece& piece : pieces.list) {
+    const auto shift = [&](std::size_t c) { return double(piece.pose.shift_q[c]) / kFixedOne; };
+    list.push_back({{"name", piece.name},
+                    {"elements", piece.elements->size()},
+                    {"centre_voxel", vector_json(piece.centre_index)},
+                    {"turn_degrees", piece.pose.turn.angle_deg()},
+                    {"shift_voxels", {shift(0), shift(1), shift(2)}}});
+  }
+  return list;
+}
+
+nlohmann::ordered_json to_json(const StepRecord& record) {
+  if (record.springs) {
+    nlohmann::ordered_json json = {
+        {"model", "springs"},
+        {"cut_links", record.cut_links},
+        {"settings", nlohmann::ordered_json::parse(settings_json(*record.springs))},
+        {"springs", to_json(record.sprung)}};
+    json["reactions"] = to_json(record.reactions);
+    return json;
+  }
+  if (record.equilibrium.modes) {
+    return {{"model", "fem"},
+            {"cut_links", record.cut_links},
+            {"settings", nlohmann::ordered_json::parse(settings_json(*record.fem))},
+            {"modes", to_json(*record.equilibrium.modes)}};
+  }
+  if (record.fem) {
+    nlohmann::ordered_json json = {
+        {"model", "fem"},
+        {"cut_links", record.cut_links},
+        {"settings", nlohmann::ordered_json::parse(settings_json(*record.fem))},
+        {"fem", to_json(record.equilibrium)}};
+    if (record.bones) {
+      json["fraction"] = record.report.fraction();
+      json["bones"] = to_json(*record.bones);
+    }
+    for (const BoneMeeting& met : record.meetings) {
+      json["meetings"].push_back({{"piece", met.piece},
+                                  {"other", met.other},
+                                  {"voxel", vector_json(Vec3d(met.voxel))},
+                                  {"overlap_voxels", met.overlap_voxels},
+                                  {"kept_apart", met.is_kept}});
+    }
+    if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);
+    json["reactions"] = to_json(record.reactions);
+    return json;
+  }
+  nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
+                                            : to_json(record.report, record.cut_links);
+  if (record.slid) json["slid"] = vector_json(*record.slid);
+  if (record.removed > 0) json["removed"] = record.removed;
+  if (record.bones) json["bones"] = to_json(*record.bones);
+  if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);
+  if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
+  if (record.tightened) {
+    json["limits"] = "tighten";
+    json["tighten"] = to_json(*record.tightened);
+  }
+  json["reactions"] = to_json(record.reactions);
+  return json;
+}
+
+nlohmann::ordered_json to_json(const RenderReport& report) {
+  return {{"rays", report.rays},
+          {"samples", report.samples},
+          {"prepare_ms", report.prepare_ms},
+          {"march_ms", report.march_ms},
+          {"bytes", report.bytes}};
+}
+
+void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
+                        const InversionCertificate& certificate) {
+  const Vec3i& dims = grid.dims();
+  const nlohmann::ordered_json json = {{"output", path},
+                                       {"dims", {dims.x, dims.y, dims.z}},
+                                       {"lost_voxels", lost_voxels},
+                                       {"certificate", to_json(certificate)}};
+  std::printf("%s\n", json.dump(2).c_str());
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,21 @@
+// Where the files of a scene go.
+#pragma once
+
+#include <string>
+
+#include "tools/scene/file/scene.h"
+#include "tools/scene/run/output_plan.h"
+
+namespace supple::tools {
+
+/// The path of an output.
+std::string path_in(const std::string& folder, const std::string& name);
+
+/// Adds files that are no pictures.
+void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPlan& plan);
+
+/// Throws InputError for an output by an absolute name or by "..", which lies outside of the
+/// folder.
+void require_inside(const Scene& scene, const std::string& folder);
+
+}  // namespace supple::tools

@@ -1,0 +1,246 @@
+#include "tools/scene/run/scene_run.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "lib/material/material_file.h"
+#include "tools/scene/run/element_volumes.h"
+#include "tools/scene/run/film_record.h"
+#include "tools/scene/run/output_plan.h"
+#include "volumes/grid/brick_topology.h"
+#include "volumes/io/load/load.h"
+#include "volumes/io/open_volume.h"
+#include "volumes/io/warp_file.h"
+#include "volumes/state/state_outputs.h"
+
+namespace supple::tools {
+
+namespace {
+
+bool writes_fields(const SceneOutput& output) {
+  return !(output.state.empty() && output.offsets.empty() && output.displacements.empty() &&
+           output.volumes.empty());
+}
+
+/// Throws InputError where a warp is asked for beside what moves by itself.
+void require_no_warp(const Scene& scene, const std::string& found) {
+  if (scene.warp_path.empty()) return;
+  throw InputError({scene.file, "offsets", found, "a volume alone"});
+}
+
+/// The warp file as offsets of the volume; warns when none of them leads into it.
+OffsetField read_offsets(const std::string& path, const Geometry& source, Console& console) {
+  OffsetField offsets = offsets_from_warp(read_warp(path, &console, &source), source, &console);
+  if (offsets.o.topology.empty()) {
+    console.warn(path + ": no vector leads into the volume, the picture is empty");
+  }
+  return offsets;
+}
+
+}  // namespace
+
+OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
+  const bool is_file = !scene.file.empty();
+  if (scene.has_events) {
+    throw InputError({scene.file, "event", "the journal of a live session",
+                      "a scene of it (`supple replay --scene`), or `supple replay`"});
+  }
+  OutputPlan plan(global, is_file);
+  if (is_file) plan.protect(scene.file);
+  // A command may continue a state in place.
+  if (is_file || !is_state_file(scene.volume_path)) plan.protect(scene.volume_path, scene.read);
+  for (const std::string& input : {scene.labels_path, scene.material_path, scene.warp_path}) {
+    if (!input.empty()) plan.protect(input);
+  }
+  for (const SceneStep& step : scene.steps) {
+    for (const CutSurface& cut : step.cuts) {
+      if (cut.mesh) plan.protect(cut.place);
+    }
+  }
+  for (const SceneView& view : scene.views) {
+    check_view(view);
+    check_inverse(view, scene.path);
+    // A state may hold labels.
+    check_ids(view, !scene.labels_path.empty() || is_state_file(scene.volume_path));
+    if (!scene.film) plan.add_pictures(view.picture, path_in(folder, view.image));
+  }
+  if (scene.film) {
+    plan_film(scene, folder, plan);
+  } else {
+    plan_outputs(scene.output, folder, plan);
+  }
+  return plan;
+}
+
+bool needs_body(const Scene& scene) {
+  if (!scene.steps.empty() || writes_fields(scene.output)) return true;
+  return scene.material || !scene.labels_path.empty();
+}
+
+void check_places(const Scene& scene, const Geometry& geometry) {
+  for (const SceneStep& step : scene.steps) check_step(step, geometry);
+  to_path(scene.path, geometry);
+  for (const SceneView& view : scene.views) to_path(view.path, geometry);
+}
+
+SessionOptions session_options(const Scene& scene) {
+  const bool is_animated = scene.film && scene.still_steps() < scene.steps.size();
+  return {scene.material, scene.labels_path, scene.read, is_animated};
+}
+
+SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions,
+                   Console& console)
+    : m_scene(scene),
+      m_folder(folder),
+      m_tells_reactions(tells_reactions || !scene.output.motion.empty()),
+      m_console(console) {
+  for (const std::string& line : scene.warnings) console.warn(line);
+  open();
+  check_places(scene, m_state.geometry);
+}
+
+SceneRun::~SceneRun() = default;
+
+void SceneRun::open() {
+  if (needs_body(m_scene)) {
+    require_no_warp(m_scene, "a body that moves by itself");
+    m_session =
+        std::make_unique<Session>(m_scene.volume_path, session_options(m_scene), &m_console);
+    m_state.geometry = m_session->geometry();
+    m_grey_lo = m_session->body().material.domain_lo;
+    m_grey_hi = m_session->body().material.domain_hi;
+  } else if (is_state_file(m_scene.volume_path)) {
+    require_no_warp(m_scene, "a state, which has its own");
+    require_unused(m_scene.read, m_scene.volume_path);
+    m_state = read_state(m_scene.volume_path, &m_console);
+    const MaterialTable material = parse_material(m_state.material_toml, m_scene.volume_path);
+    m_grey_lo = material.domain_lo;
+    m_grey_hi = material.domain_hi;
+  } else {
+    open_volume_alone();
+  }
+}
+
+void SceneRun::open_volume_alone() {
+  m_is_volume = true;
+  for (const SceneView& view : m_scene.views) {
+    if (view.inverse) continue;
+    throw InputError({view.place, "inverse", "a volume that nothing moves", "a state or steps"});
+  }
+  const auto file = open_volume(m_scene.volume_path, m_scene.read, &m_console);
+  const Geometry& geometry = file->header().geometry;
+  const bool is_slice = std::all_of(m_scene.views.begin(), m_scene.views.end(),
+                                    [](const SceneView& view) { return view.slice.has_value(); });
+  const bool is_lattice =
+      !is_slice &&
+      (geometry.dims().z == 1 || std::any_of(m_scene.views.begin(), m_scene.views.end(),
+                                             [](const SceneView& view) { return view.lattice; }));
+  if (is_lattice) require_no_warp(m_scene, "a lattice to draw");
+  // Before the volume, so that the warp's vectors are gone when its voxels come.
+  m_has_warp = !m_scene.warp_path.empty();
+  if (m_has_warp) m_deformed.offsets = read_offsets(m_scene.warp_path, geometry, m_console);
+  // A lattice shows every voxel; a picture leaves out the air at the file's minimum.
+  const double everything = std::numeric_limits<double>::max();
+  Volume volume = is_lattice
+                      ? load_elements(*file, -everything, everything, 0, 0, &m_console).volume
+                      : load_volume(*file, &m_console);
+  const std::string void_values = void_values_text(volume.statistics);
+  if (!void_values.empty()) {
+    m_console.warn(m_scene.volume_path + ": " + void_values + " treated as void");
+  }
+  m_grey_lo = volume.statistics.min;
+  m_grey_hi = std::max(volume.statistics.max, volume.statistics.min + 1);
+  m_state.geometry = volume.geometry;
+  m_state.density = std::move(volume.density);
+}
+
+void SceneRun::check_steps() const {
+  for (const SceneStep& step : m_scene.steps) check_step(*m_session, step);
+}
+
+std::vector<HandlePlace> SceneRun::places(const SceneStep& step) const {
+  return m_session->places(request_of(step, m_state.geometry).drags);
+}
+
+void SceneRun::run() {
+  if (m_scene.film) return run_film();
+  draw_views(0);
+  for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
+    solve(n);
+    draw_views(int(n) + 1);
+  }
+  if (reads_inverse(m_scene)) seen(last_step());
+  m_pictures.commit();
+  make_folders();
+  write_outputs(last_step(), 0);
+}
+
+/// Nothing reads what was of the body before.
+void SceneRun::solve(std::size_t n, double time) {
+  forget_pose();
+  run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console, time);
+}
+
+void SceneRun::make_folders() const {
+  if (m_scene.file.empty()) return;
+  for (const std::string& name : m_scene.outputs()) {
+    std::filesystem::create_directories(std::filesystem::path(path_of(name)).parent_path());
+  }
+}
+
+const InversionCertificate* SceneRun::certificate() const {
+  return m_has_inverted ? &m_deformed.offsets.certificate : nullptr;
+}
+
+void SceneRun::draw_views(int step) {
+  for (const SceneView& view : m_scene.views) {
+    if (view.after_step.value_or(last_step()) != step) continue;
+    const Drawn drawn = drawn_after(step, view);
+    PictureWriter writer(m_pictures, path_of(view.image), view.picture);
+    draw_view(drawn.subject, drawn.view, writer, &m_drawn, m_console);
+    m_own.reset();
+  }
+}
+
+/// Of a film the outputs of one frame: those with a number, and after the last frame all.
+void SceneRun::write_outputs(int last, int frame) {
+  const SceneOutput& output = m_scene.output;
+  const auto is_due = [&](const std::string& name) {
+    if (!m_scene.film) return !name.empty();
+    return has_frame_number(name) || (!name.empty() && frame == m_scene.film->frames - 1);
+  };
+  const auto file_of = [&](const std::string& name) {
+    return path_of(m_scene.film ? frame_name(name, frame) : name);
+  };
+  if (is_due(output.state)) {
+    const Pose& moved = deformed(last);
+    write_state(file_of(output.state), m_state, moved.offsets, &m_console);
+  }
+  const auto write_warps = [&](const std::vector<std::string>& names, WarpDirection direction) {
+    for (const std::string& name : names) {
+      if (!is_due(name)) continue;
+      if (reads_inverse(m_scene)) {
+        seen(last);
+      } else {
+        displacement(last);
+      }
+      write_state_warp({file_of(name), direction, VoidMode::nearest, m_state.geometry}, m_state,
+                       m_scene.path.empty() ? m_deformed : *m_seen, &m_console);
+    }
+  };
+  write_warps(output.offsets, WarpDirection::resample);
+  write_warps(output.displacements, WarpDirection::material);
+  for (const std::string& name : output.volumes) {
+    if (!is_due(name)) continue;
+    write_resampled(file_of(name), m_state, seen(last), m_state.geometry, {}, &m_console);
+  }
+  for (const ElementOutput& wanted : output.elements) {
+    if (!is_due(wanted.path)) continue;
+    write_element_volume(file_of(wanted.path), *m_session, wanted.quantity, &m_console);
+  }
+  if (is_due(output.motion)) write_motion_table(path_of(output.motion), *m_session);
+}
+
+}  // namespace supple::tools

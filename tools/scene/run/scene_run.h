@@ -1,0 +1,127 @@
+// The one stage that runs a scene, whether a file or the options of a command describe it.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "lib/session/session.h"
+#include "tools/console/console.h"
+#include "tools/scene/file/run_step.h"
+#include "tools/scene/file/scene.h"
+#include "tools/scene/pictures/picture_writer.h"
+#include "tools/scene/run/frames.h"
+#include "tools/scene/run/output_plan.h"
+#include "tools/scene/run/scene_files.h"
+#include "tools/scene/run/view_pictures.h"
+
+namespace supple::tools {
+
+/// The files that the scene would write, relative to `folder` (empty: as written), and all that can
+/// be known to fail before a volume is read. Missing folders are no error where the scene is a
+/// file. Throws UsageError or InputError.
+OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
+
+/// Stage in which displacements of elements are extended into the air around them.
+constexpr const char* kDisplacementStage = "displacement";
+
+/// Whether the steps and paths fit the volume. Throws InputError.
+void check_places(const Scene& scene, const Geometry& geometry);
+
+/// Whether an output reads where what is seen came from; displacements say where it went.
+bool reads_inverse(const Scene& scene);
+
+/// Whether a brick of offsets is wanted after a step, where its views see a part of the volume and
+/// nothing else reads offsets; null: all are.
+std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int step,
+                                                     const Geometry& geometry);
+
+/// Whether there is a body to build: something moves, or is written, or a material makes one.
+bool needs_body(const Scene& scene);
+
+/// How the body of a scene is opened.
+SessionOptions session_options(const Scene& scene);
+
+class SceneRun {
+ public:
+  /// Opens the subject of the scene: a body where something moves, else a state or a volume alone.
+  /// `tells_reactions`: the records hold the forces on handles. Refers to the scene.
+  SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions, Console& console);
+  ~SceneRun();
+
+  /// Throws InputError, with the place in the scene, where a handle or a fixed voxel is no element.
+  void check_steps() const;
+  /// The elements that the handles of a step grab.
+  std::vector<HandlePlace> places(const SceneStep& step) const;
+
+  /// Solves and draws everything first, so that a scene that fails leaves nothing behind. Of a film
+  /// every frame stands by itself: its files appear when all of them are complete.
+  void run();
+
+  /// The subject as it is now; of a volume alone geometry and densities.
+  State opened() const { return m_session ? m_session->state() : m_state; }
+  /// The body; null where nothing moves.
+  const Session* session() const { return m_session.get(); }
+  /// Of the last inversion; null where there was none.
+  const InversionCertificate* certificate() const;
+  /// Of all pictures.
+  const RenderReport& drawn() const { return m_drawn; }
+
+ private:
+  void open();
+  void open_volume_alone();
+  int last_step() const { return int(m_scene.steps.size()); }
+  std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
+  /// Step n, at a frame's time.
+  void solve(std::size_t n, double time = kWholePaths);
+  void forget_pose();
+  bool reads_displacement_later() const;
+  void take_state(int step);
+  const Displacement& displacement(int step);
+  const Pose& deformed(int step);
+  const Pose& seen(int step);
+  const Displacement& without_inverse(const SceneView& view, int step);
+  const Pose* posed_for(SceneView& view, int step);
+  const Pose* posed_volume_for(SceneView& view);
+  bool is_all_that_reads(const SceneView& view) const;
+  Pose take_deformed();
+  /// A view as it is drawn after a step, with its subject.
+  struct Drawn {
+    SceneView view;
+    PosedVolume subject;
+  };
+  Drawn drawn_after(int step, const SceneView& view);
+  void draw_views(int step);
+  void make_folders() const;
+  void write_outputs(int last, int frame);
+  void run_film();
+  int pose_frame(int frame);
+  int motion_frame(int frame);
+  bool shows_motion() const;
+  void find_neighbours(int frame);
+  void make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& views);
+  void make_videos();
+
+  const Scene& m_scene;
+  std::string m_folder;
+  bool m_tells_reactions;
+  Console& m_console;
+  std::unique_ptr<Session> m_session;
+  State m_state;  // of the body after a step, or of the file
+  double m_grey_lo = 0, m_grey_hi = 1;
+  bool m_is_volume = false;  // m_state holds no more than a geometry and densities
+  bool m_has_warp = false;   // which m_deformed holds
+  bool m_has_inverted = false;
+  Pose m_deformed;
+  int m_state_step = -1, m_displaced_step = -1, m_inverted_step = -1, m_seen_step = -1;
+  std::optional<Pose> m_seen;            // as the scene's path shows it
+  std::optional<Pose> m_own;             // as the path of one view does
+  int m_posed_steps = 0;                 // of the session, that a frame of a film has taken
+  std::map<int, Displacement> m_beside;  // of frames, for the motion of those beside them
+  PendingFiles m_pictures;
+  RenderReport m_drawn;
+};
+
+}  // namespace supple::tools
