@@ -5,9 +5,9 @@ include(CMakePackageConfigHelpers)
 file(WRITE ${PROJECT_BINARY_DIR}/supple_library.cpp "")
 add_library(supple_library SHARED ${PROJECT_BINARY_DIR}/supple_library.cpp)
 add_library(supple::supple ALIAS supple_library)
-target_link_libraries(supple_library PRIVATE supple_raycast supple_lib supple_volumes)
+target_link_libraries(supple_library PRIVATE supple_scene supple_raycast supple_lib supple_volumes)
 set_property(TARGET supple_library PROPERTY LINK_LIBRARY_OVERRIDE
-             "WHOLE_ARCHIVE,supple_volumes,supple_lib,supple_raycast")
+             "WHOLE_ARCHIVE,supple_volumes,supple_lib,supple_raycast,supple_scene")
 # Public headers take their vectors from Imath.
 target_link_libraries(supple_library PUBLIC Imath::Imath)
 target_include_directories(supple_library INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

@@ -23,11 +23,12 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"tools", {"tools", "lib", "raycast", "volumes"}},
 };
 
-/// Models share bodies and materials, and nothing of each other.
+/// Models share bodies and materials, and nothing of each other; scenes know no command line.
 const std::map<std::string, std::set<std::string>> kNever = {
     {"lib/fem", {"lib/relax", "lib/springs", "lib/chainmail", "lib/model", "lib/session"}},
     {"lib/relax", {"lib/springs", "lib/chainmail", "lib/fem", "lib/model", "lib/session"}},
     {"lib/springs", {"lib/relax", "lib/chainmail", "lib/fem", "lib/model", "lib/session"}},
+    {"tools/scene", {"tools/commands", "tools/console", "tools/lab", "tools/viewer"}},
     {"lib/chainmail", {"lib/relax", "lib/springs", "lib/fem", "lib/model", "lib/session"}},
 };
 
@@ -38,7 +39,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"OpenEXR/", {"raycast/pictures/plugin"}},
     {"hwy/", {"raycast/march", "raycast/sample"}},
     {"toml++/", {"lib/material"}},
-    {"CLI/", {"tools"}},
+    {"CLI/", {"tools/commands", "tools/console", "tools/examples", "tools/lab", "tools/viewer"}},
     {"openvdb/", {"volumes/grid", "volumes/io/vdb", "volumes/state", "tools/lab/bench"}},
     {"nanovdb/", {"tools/lab/bench"}},
     {"tiff", {"volumes/io/tiff"}},

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "tools/console/console.h"
 #include "tools/scene/live/live_loop.h"
 
 using namespace supple;

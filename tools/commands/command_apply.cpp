@@ -160,7 +160,7 @@ void check_options(const ApplyOptions& options) {
 
 int run_apply(const ApplyOptions& options, const GlobalOptions& global, Console& console) {
   check_options(options);
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   for (const std::string* input :
        {&options.input, &options.points, &options.mesh, &options.labels.grid.file}) {
     if (!input->empty()) plan.protect(*input);

@@ -60,7 +60,7 @@ std::vector<std::string> broken_limits(const CompareOptions& options,
 }
 
 int run_compare(const CompareOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.a);
   plan.protect(options.b);
   if (!options.difference.empty()) plan.add_image(options.difference);

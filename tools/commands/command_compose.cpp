@@ -34,7 +34,7 @@ Geometry grid_of(const ComposeOptions& options, const TransformChain& chain) {
 }
 
 int run_compose(const ComposeOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   for (const std::string& input : options.inputs) plan.protect(input);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);

@@ -53,7 +53,7 @@ std::vector<ConvertOptions> frames_of(const ConvertOptions& options) {
 
 int run_convert(const ConvertOptions& options, const GlobalOptions& global, Console& console) {
   const std::vector<ConvertOptions> each = frames_of(options);
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.input, options.read);
   for (const ConvertOptions& one : each) plan.add_dense(one.output);
   console.claim(plan.files());

@@ -7,6 +7,7 @@
 #include "lib/material/toml_string.h"
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
+#include "tools/console/dry_run.h"
 #include "tools/console/field_options.h"
 #include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
@@ -225,12 +226,12 @@ int run_deform(DeformOptions& options, const GlobalOptions& global, Console& con
     options.output = "state.vdb";
   }
   const Scene scene = to_scene(options);
-  const OutputPlan plan = check_scene(scene, "", global.overwriting(options.dry_run));
+  const OutputPlan plan = check_scene(scene, "", global.force || options.dry_run);
   if (options.dry_run) return tell_plan(scene, "", global, console);
   console.claim(plan.files());
   require_memory_to_run(scene, &console);
   SceneRun run(scene, "", true, console);
-  require_memory(scene, run, console);
+  require_memory(scene, run);
   run.run();
   if (global.json) {
     print_json(*run.session(), scene.output.state, *run.certificate());

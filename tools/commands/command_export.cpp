@@ -29,7 +29,7 @@ Fields fields(ExportOptions& options) {
 }
 
 int run_export(const ExportOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.input);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);

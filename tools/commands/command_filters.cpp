@@ -66,7 +66,7 @@ Fields fields(ThresholdOptions& options) {
 
 int run_filter(const FilterOptions& options, const GlobalOptions& global, Console& console,
                const Filter& filter) {
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.input, options.read);
   plan.add_dense(options.output);
   console.claim(plan.files());

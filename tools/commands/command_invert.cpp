@@ -62,7 +62,7 @@ void warn_of(const InversionCertificate& certificate, std::int64_t uncovered,
 }
 
 int run_invert(const InvertOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.input);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);

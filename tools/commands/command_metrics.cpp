@@ -103,7 +103,7 @@ void print_metrics(const nlohmann::ordered_json& json) {
 }
 
 int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Console& console) {
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.input);
   if (!options.labels.empty()) plan.protect(options.labels);
   for (const std::string& map :

@@ -70,7 +70,7 @@ int run_modes(ModesOptions& options, const GlobalOptions& global, Console& conso
   const Scene scene = scene_of(options);
   const std::vector<std::string> files =
       files_of(options.output, scene.steps.front().fem->step.modes->count);
-  OutputPlan plan = check_scene(scene, "", global);
+  OutputPlan plan = check_scene(scene, "", global.force);
   for (const std::string& file : files) plan.add_state(file);
   console.claim(plan.files());
   require_memory_to_open(scene, &console);

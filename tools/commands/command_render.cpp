@@ -7,6 +7,7 @@
 #include "lib/material/toml_string.h"
 #include "raycast/scene/framing.h"
 #include "tools/console/command.h"
+#include "tools/console/dry_run.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
 #include "tools/scene/file/transfer_file.h"
@@ -189,12 +190,12 @@ int run_render(RenderOptions& options, const GlobalOptions& global, Console& con
   }
   if (options.output.empty()) throw UsageError("--output is required");
   check_options(scene);
-  const OutputPlan plan = check_scene(scene, "", global.overwriting(options.dry_run));
+  const OutputPlan plan = check_scene(scene, "", global.force || options.dry_run);
   if (options.dry_run) return tell_plan(scene, "", global, console);
   console.claim(plan.files());
   require_memory_to_run(scene, &console);
   SceneRun run(scene, "", false, console);
-  require_memory(scene, run, console);
+  require_memory(scene, run);
   run.run();
   if (global.json) {
     const SceneView& view = scene.views.front();

@@ -76,7 +76,7 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
   if (!files.film.empty() && files.compares) {
     throw InputError({"", "--ssim", "a film", "--ssim without --film, whose pictures are settled"});
   }
-  OutputPlan plan(global, false);
+  OutputPlan plan(global.force, false);
   plan.protect(files.input);
   if (!files.image.empty()) plan.add_image(files.image);
   if (!files.state.empty()) plan.add_state(files.state);

@@ -43,7 +43,7 @@ int resample_volume(const ResampleOptions& options, const GlobalOptions& global,
   if (!options.path.empty()) {
     throw UsageError("resample: found --path for a volume, expected a state");
   }
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.input, options.read);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);
@@ -68,7 +68,7 @@ int run_resample(const ResampleOptions& options, const GlobalOptions& global, Co
         "resample: found --interpolation nearest for a state, expected linear or cubic");
   }
   require_unused(options.read, options.input);
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   plan.protect(options.input);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
   plan.add_dense(options.output);

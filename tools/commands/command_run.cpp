@@ -6,6 +6,7 @@
 
 #include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
+#include "tools/console/dry_run.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/choice/chosen_method.h"
 #include "tools/scene/choice/run_phases.h"
@@ -103,10 +104,9 @@ void choose_frames(Scene& scene, const RunSceneOptions& options, GlobalOptions& 
   global.force = true;
 }
 
-OutputPlan files_of(const Scene& scene, const RunSceneOptions& options,
-                    const GlobalOptions& global) {
+OutputPlan files_of(const Scene& scene, const RunSceneOptions& options, bool may_overwrite) {
   try {
-    return check_scene(scene, options.folder, global);
+    return check_scene(scene, options.folder, may_overwrite);
   } catch (const UsageError& error) {
     if (!scene.film) throw;
     throw UsageError(std::string(error.what()) + ", or --resume to make the missing frames");
@@ -122,7 +122,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   GlobalOptions global = given;
   choose_frames(scene, options, global);
   if (!options.allow_outside) require_inside(scene, options.folder);
-  const OutputPlan plan = files_of(scene, options, global.overwriting(options.dry_run));
+  const OutputPlan plan = files_of(scene, options, global.force || options.dry_run);
   const double unchosen_s = processor_seconds();
   CancelOnly progress(console);  // the run opens the volume once more, and tells
   const std::optional<MethodChoice> choice = choose_method(options.wanted, scene, progress);
@@ -142,12 +142,12 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   console.claim(plan.files());
   require_memory_to_run(scene, &console);
   SceneRun run(scene, options.folder, global.json, console);
-  require_memory(scene, run, console);
+  require_memory(scene, run);
   std::optional<ScenePlan> scene_plan;
   const double opened_s = processor_seconds();
-  if (options.tells_plan) scene_plan = plan_of(scene, run, console);
+  if (options.tells_plan) scene_plan = plan_of(scene, run);
   if (scene_plan && !global.json && !global.quiet) {
-    std::printf("%s", to_text(*scene_plan).c_str());
+    std::printf("%s", text_of_plan(*scene_plan).c_str());
     std::fflush(stdout);
   }
   const double planning_s = choosing_s + processor_seconds() - opened_s;

@@ -33,10 +33,10 @@ int run_slice(SliceOptions& options, const GlobalOptions& global, Console& conso
   given.set("view", "image", toml_string(options.output), "--output");
   if (options.undeformed) given.set("view", "deformed", "false", "--undeformed");
   const Scene scene = read_scene(given.scene());
-  console.claim(check_scene(scene, "", global).files());
+  console.claim(check_scene(scene, "", global.force).files());
   require_memory_to_run(scene, &console);
   SceneRun run(scene, "", false, console);
-  require_memory(scene, run, console);
+  require_memory(scene, run);
   run.run();
   return kOk;
 }

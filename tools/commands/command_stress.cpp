@@ -28,7 +28,7 @@ bool has_extension(const std::string& path, const char* extension) {
 /// Before the first row.
 void claim_outputs(const std::vector<std::string>& outputs, const GlobalOptions& global,
                    Console& console) {
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   for (const std::string& path : outputs) {
     if (!has_extension(path, ".md") && !has_extension(path, ".csv")) {
       const std::string extension = std::filesystem::path(path).extension().string();

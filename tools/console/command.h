@@ -15,12 +15,6 @@ namespace supple::tools {
 /// Documented exit codes (docs/errors.md, design.md section 8).
 enum ExitCode : int { kOk = 0, kFailure = 1, kUsage = 2, kBadInput = 3, kSystem = 4 };
 
-/// The command line does not parse, or an output exists and --force is missing; exit code 2.
-class UsageError : public Error {
- public:
-  using Error::Error;
-};
-
 /// Runs with the options that its registration bound; returns an exit code.
 using Action = std::function<int(const GlobalOptions&, Console&)>;
 

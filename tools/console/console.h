@@ -28,13 +28,6 @@ struct GlobalOptions {
   bool json = false;
   bool force = false;
   LogLevel log_level = LogLevel::info;
-
-  /// With files that may be overwritten, as by a run that writes none, or as they are.
-  GlobalOptions overwriting(bool may) const {
-    GlobalOptions changed = *this;
-    changed.force = force || may;
-    return changed;
-  }
 };
 
 class Console final : public Progress {
@@ -48,11 +41,8 @@ class Console final : public Progress {
   void note(const std::string& line) override;
   void debug(const std::string& line) override;
 
-  /// Warnings and notes from now on are of one of many, such as "frame" 3: a kind is told once,
-  /// with its number.
-  void enter(const std::string& what, int number);
-  /// Says which kinds came again, and ends the numbering.
-  void tell_repeats();
+  void enter(const std::string& what, int number) override;
+  void tell_repeats() override;
 
   void stage(std::string_view name) override;
   void update(double fraction) override;

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/drawings/rest_outline.h"
+#include "tools/console/console.h"
 #include "tools/scene/live/live_loop.h"
 #include "tools/scene/live/state_parts.h"
 #include "tools/viewer/frame_encoder.h"

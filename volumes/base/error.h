@@ -37,6 +37,12 @@ class InputError : public Error {
   Problem m_problem;
 };
 
+/// An option cannot be used, or an output exists and may not be overwritten; exit code 2.
+class UsageError : public Error {
+ public:
+  using Error::Error;
+};
+
 /// The system refuses: disk full, no permission, out of memory; exit code 4.
 class SystemError : public Error {
  public:

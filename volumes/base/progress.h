@@ -25,6 +25,14 @@ class Progress {
   /// Information for the user, and details that help to find faults.
   virtual void note(const std::string& line) { static_cast<void>(line); }
   virtual void debug(const std::string& line) { static_cast<void>(line); }
+
+  /// Warnings and notes from now on are of one of many, such as "frame" 3: a kind is told once,
+  /// with its number.
+  virtual void enter(const std::string& what, int number) {
+    static_cast<void>(what), static_cast<void>(number);
+  }
+  /// Says which kinds came again, and ends the numbering.
+  virtual void tell_repeats() {}
 };
 
 inline void stage(Progress* progress, std::string_view name) {

@@ -66,7 +66,7 @@ int run_bench(const CommandOptions& options, const GlobalOptions& global, Consol
     for (const std::string& name : bench.row_names()) std::printf("%s\n", name.c_str());
     return kOk;
   }
-  OutputPlan plan(global);
+  OutputPlan plan(global.force);
   if (!options.output.empty()) plan.add_report(options.output);
   console.claim(plan.files());
   const BenchReport report = bench.measure();

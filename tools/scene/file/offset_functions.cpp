@@ -286,11 +286,11 @@ Field path_file_field(std::string& file) {
       .shown_as("FILE.toml");
 }
 
-std::vector<OffsetFunction> read_path_file(const std::string& file, Console& console) {
+std::vector<OffsetFunction> read_path_file(const std::string& file, Progress& progress) {
   if (file.empty()) return {};
   TomlTable table = TomlTable::of_options("path = " + toml_string(file), {{"path", "--path"}});
   std::vector<OffsetFunction> functions = read_path(table);
-  for (const std::string& line : table.warnings()) warn(&console, line);
+  for (const std::string& line : table.warnings()) warn(&progress, line);
   return functions;
 }
 
@@ -304,45 +304,46 @@ SamplingPath to_path(const std::vector<OffsetFunction>& functions, const Geometr
 }
 
 Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& geometry,
-                const BrickTopology& body, Console& console) {
+                const BrickTopology& body, Progress& progress) {
   const SamplingPath path = to_path(functions, geometry);
   return placed(functions.front(), [&] {
     return Pose{move_along(path, {geometry, {body, BrickVectors(body.brick_count())}}),
-                follow_path(path, geometry, body, &console)};
+                follow_path(path, geometry, body, &progress)};
   });
 }
 
 OffsetField send_along(const std::vector<OffsetFunction>& functions, const OffsetField& moved,
-                       Console& console) {
+                       Progress& progress) {
   const SamplingPath path = to_path(functions, moved.geometry);
   if (path.empty()) return moved;
-  return placed(functions.front(), [&] { return follow_path(path, moved, &console); });
+  return placed(functions.front(), [&] { return follow_path(path, moved, &progress); });
 }
 
-Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved, Console& console) {
+Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved,
+                Progress& progress) {
   const SamplingPath path = to_path(functions, moved.offsets.geometry);
   if (path.empty()) return moved;
   return placed(functions.front(), [&] {
-    return Pose{move_along(path, moved.displacement), follow_path(path, moved.offsets, &console)};
+    return Pose{move_along(path, moved.displacement), follow_path(path, moved.offsets, &progress)};
   });
 }
 
-Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Console& console) {
+Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Progress& progress) {
   const SamplingPath path = to_path(functions, moved.offsets.geometry);
   if (path.empty()) return std::move(moved);
   return placed(functions.front(), [&] {
     Pose sent;
     sent.displacement = move_along(path, moved.displacement);
     moved.displacement = {};
-    sent.offsets = follow_path(path, moved.offsets, &console);
+    sent.offsets = follow_path(path, moved.offsets, &progress);
     moved.offsets = {};
     return sent;
   });
 }
 
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
-                           Console& console) {
-  return send_along(functions, invert_state(state, &console), console);
+                           Progress& progress) {
+  return send_along(functions, invert_state(state, &progress), progress);
 }
 
 }  // namespace supple::tools

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lib/material/toml_table.h"
-#include "tools/console/console.h"
+#include "volumes/base/progress.h"
 #include "volumes/field/paths/path_functions.h"
 #include "volumes/state/pose.h"
 
@@ -37,22 +37,23 @@ std::vector<OffsetFunction> read_path(TomlTable& table);
 /// The option that names such a file.
 Field path_file_field(std::string& file);
 /// A file that holds the key `path`; none for an empty name.
-std::vector<OffsetFunction> read_path_file(const std::string& file, Console& console);
+std::vector<OffsetFunction> read_path_file(const std::string& file, Progress& progress);
 
 /// Throws InputError with the place of the function that has a bad value.
 SamplingPath to_path(const std::vector<OffsetFunction>& functions, const Geometry& geometry);
 
 /// A body at rest as the functions show it; `body`: elements and shell, or all that a volume holds.
 Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& geometry,
-                const BrickTopology& body, Console& console);
+                const BrickTopology& body, Progress& progress);
 /// The same of a body that has moved already.
-Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved, Console& console);
+Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved,
+                Progress& progress);
 /// The same of a pose that nothing else needs: at no time both are whole.
-Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Console& console);
+Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Progress& progress);
 /// Of a state; without functions the result of invert_state().
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
-                           Console& console);
+                           Progress& progress);
 OffsetField send_along(const std::vector<OffsetFunction>& functions, const OffsetField& moved,
-                       Console& console);
+                       Progress& progress);
 
 }  // namespace supple::tools

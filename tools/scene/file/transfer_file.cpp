@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "raycast/pictures/background.h"
-#include "tools/console/command.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 

@@ -80,13 +80,13 @@ void LiveLoop::GivingWay::look() const {
 }
 
 LiveLoop::LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher,
-                   Console& console, Progress* progress)
+                   Progress& listener, Progress* progress)
     : m_live(live),
       m_frame(frame),
       m_watcher(watcher),
-      m_console(console),
+      m_listener(listener),
       m_progress(progress),
-      m_picture(live.session(), framed(live.view()), console) {}
+      m_picture(live.session(), framed(live.view()), listener) {}
 
 SceneView LiveLoop::framed(SceneView view) const {
   view.size = m_frame.size;
@@ -98,13 +98,13 @@ void LiveLoop::settle() {
   m_picture.follow();
   m_picture.prepare(0);
   m_picture.first_pixels(0);
-  while (m_picture.refine()) poll(&m_console);
+  while (m_picture.refine()) poll(&m_listener);
 }
 
 void LiveLoop::run(EventMailbox& mailbox) {
   m_leaves = false;
   while (!m_leaves) {
-    poll(&m_console);
+    poll(&m_listener);
     const bool rests = m_gave_way && is_soon_after(kRest, mailbox);
     const bool moves = m_live.grabbed() && is_soon_after(kStill, mailbox);
     const bool may_go_on = m_live.has_more() && !rests;
@@ -171,7 +171,7 @@ bool LiveLoop::carry_out(const LiveEvent& event) {
     if (event.is_of_view() || event.looks) m_picture.look(framed(m_live.view()));
     return true;
   } catch (const Error& error) {
-    if (m_console.cancelled() || !m_watcher.refused(event, error.what())) throw;
+    if (m_listener.cancelled() || !m_watcher.refused(event, error.what())) throw;
     return false;
   }
 }
@@ -193,13 +193,13 @@ bool LiveLoop::go_on(EventMailbox* mailbox) {
   } catch (const Error& error) {
     if (m_failure) std::rethrow_exception(std::exchange(m_failure, nullptr));
     const bool is_cancelled =
-        m_console.cancelled() || (m_progress != nullptr && m_progress->cancelled());
+        m_listener.cancelled() || (m_progress != nullptr && m_progress->cancelled());
     if (!is_cancelled && dynamic_cast<const Cancelled*>(&error) != nullptr) {
       m_watcher.went_on();
       return false;
     }
     m_live.stop();
-    if (m_console.cancelled() || !m_watcher.refused(LiveEvent(), error.what())) throw;
+    if (m_listener.cancelled() || !m_watcher.refused(LiveEvent(), error.what())) throw;
     return true;
   }
   m_watcher.went_on();

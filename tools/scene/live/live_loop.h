@@ -52,7 +52,7 @@ struct LiveFrame {
 class LiveLoop {
  public:
   /// All outlive the loop. `progress`: of what events do; null: none.
-  LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher, Console& console,
+  LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher, Progress& listener,
            Progress* progress = nullptr);
 
   /// From another thread: something has been posted.
@@ -94,7 +94,7 @@ class LiveLoop {
   LiveSession& m_live;
   LiveFrame m_frame;
   LoopWatcher& m_watcher;
-  Console& m_console;
+  Progress& m_listener;
   Progress* m_progress;
   LivePicture m_picture;
   Stopwatch m_asked;  // since the event that the picture follows

@@ -26,10 +26,10 @@ constexpr int kCoarsest = 2;             // spacing of pixels in a picture that 
 }  // namespace
 
 struct LivePicture::Impl {
-  Impl(Session& session_, const SceneView& view_, Console& console_)
+  Impl(Session& session_, const SceneView& view_, Progress& listener_)
       : session(session_),
-        console(console_),
-        body(session_, view_.sampling.interpolation, console_),
+        listener(listener_),
+        body(session_, view_.sampling.interpolation, listener_),
         view(view_) {}
 
   void show_exactly();
@@ -53,7 +53,7 @@ struct LivePicture::Impl {
   bool chooses_inverse(double budget_ms) const;
 
   Session& session;
-  Console& console;
+  Progress& listener;
   LiveBody body;
   SceneView view;
   Camera camera;
@@ -172,8 +172,8 @@ FloatImage LivePicture::Impl::drafted(double left_ms, LiveCost& cost) {
   return picture;
 }
 
-LivePicture::LivePicture(Session& session, const SceneView& view, Console& console)
-    : m_impl(std::make_unique<Impl>(session, view, console)) {
+LivePicture::LivePicture(Session& session, const SceneView& view, Progress& listener)
+    : m_impl(std::make_unique<Impl>(session, view, listener)) {
   look(view);
 }
 
@@ -190,7 +190,7 @@ void LivePicture::look(const SceneView& view) {
     impl.body.open(next.sampling.interpolation);
   }
   try {
-    impl.camera = framed_camera(impl.subject(), &impl.body.renderer(), next, impl.console);
+    impl.camera = framed_camera(impl.subject(), &impl.body.renderer(), next, impl.listener);
   } catch (...) {
     const Interpolation before = impl.view.sampling.interpolation;
     if (before != impl.body.interpolation()) impl.body.open(before);

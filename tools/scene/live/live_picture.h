@@ -12,8 +12,8 @@
 #include "lib/session/session.h"
 #include "raycast/drawings/slice.h"
 #include "raycast/pictures/image.h"
-#include "tools/console/console.h"
 #include "tools/scene/file/view.h"
+#include "volumes/base/progress.h"
 
 namespace supple::tools {
 
@@ -29,8 +29,8 @@ struct LiveCost {
 
 class LivePicture {
  public:
-  /// Of the session as it is now. Refers to it and the console. Throws as look().
-  LivePicture(Session& session, const SceneView& view, Console& console);
+  /// Of the session as it is now. Refers to it and the listener. Throws as look().
+  LivePicture(Session& session, const SceneView& view, Progress& listener);
   ~LivePicture();
 
   /// Another camera, look or clip. Throws InputError as a view does.

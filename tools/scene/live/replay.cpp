@@ -69,12 +69,12 @@ double quantile(std::vector<double> values, double part) {
   return values[std::size_t(std::max<std::ptrdiff_t>(rank, 0))];
 }
 
-Replay::Replay(const TomlTable& root, const ReplayOptions& options, Console& console,
+Replay::Replay(const TomlTable& root, const ReplayOptions& options, Progress& listener,
                Progress& progress)
     : m_options(options),
       m_progress(progress),
       m_live(root, &progress),
-      m_loop(m_live, {options.size, true, options.budget_ms}, *this, console, &progress) {}
+      m_loop(m_live, {options.size, true, options.budget_ms}, *this, listener, &progress) {}
 
 void Replay::run(bool compares) {
   m_compares = compares;

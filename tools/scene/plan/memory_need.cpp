@@ -119,18 +119,18 @@ void require_memory_to_open(const Scene& scene, Progress* progress) {
   require_memory_to_run(opened, progress);
 }
 
-void require_memory(const Scene& scene, const SceneRun& run, Console& console) {
+void require_memory(const Scene& scene, const SceneRun& run) {
   constexpr double kSmallPart = 0.01;
   const double held_mb = rss_mb(), there_mb = held_mb + memory_left_mb();
   if (held_mb < kSmallPart * there_mb) return;
-  const ScenePlan plan = plan_of(scene, run, console);
+  const ScenePlan plan = plan_of(scene, run);
   if (plan.peak_mb <= there_mb) return;
   std::string line = scene.volume_path + ": the run needs " + need_text(plan, there_mb);
   if (!scene.output.state.empty()) {
     Scene stateless = scene;
     stateless.output.state.clear();
     line += "; without a state (a scene of pictures, warps and volumes) it needs " +
-            gigabytes(plan_of(stateless, run, console).peak_mb);
+            gigabytes(plan_of(stateless, run).peak_mb);
   }
   throw SystemError(line);
 }

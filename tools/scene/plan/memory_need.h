@@ -2,7 +2,6 @@
 // its header and a few of its slices, and exactly once it is open.
 #pragma once
 
-#include "tools/console/console.h"
 #include "tools/scene/run/scene_run.h"
 
 namespace supple::tools {
@@ -20,6 +19,6 @@ void require_memory_to_open(const Scene& scene, Progress* progress);
 /// Ends a run that has opened its volume and will need more memory than there is, before it solves
 /// anything. Plans only where what is open takes a hundredth of that. Throws SystemError, which
 /// says what the run needs most of it for, and what it would need without a state.
-void require_memory(const Scene& scene, const SceneRun& run, Console& console);
+void require_memory(const Scene& scene, const SceneRun& run);
 
 }  // namespace supple::tools

@@ -56,7 +56,7 @@ double rounded(double value, double to) {
 
 }  // namespace
 
-std::string to_text(const ScenePlan& plan) {
+std::string text_of_plan(const ScenePlan& plan) {
   std::vector<RowCells> cells = {{"stage", "what", "why", "memory", "time"}};
   for (const PlanRow& row : plan.rows) {
     cells.push_back({row.stage, row.what, row.why, megabytes_text(row.held_mb, row.brief_mb),

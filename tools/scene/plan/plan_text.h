@@ -10,7 +10,7 @@
 namespace supple::tools {
 
 /// Stage, what, why, memory and time of every row; what is left out; the sums.
-std::string to_text(const ScenePlan& plan);
+std::string text_of_plan(const ScenePlan& plan);
 nlohmann::ordered_json to_json(const ScenePlan& plan);
 
 /// What came of a plan.

@@ -8,24 +8,24 @@ namespace supple::tools {
 namespace {
 
 ConvertPlan plan_for(const VolumeOpener& open, const VolumeHeader& header,
-                     const std::string& output, Console& console) {
+                     const std::string& output, Progress& progress) {
   const bool is_scaled = header.slope != 1 || header.intercept != 0;
   if (header.components > 1 || !is_scaled || keeps_scaling(output)) {
     return plan_conversion(header, output, 0, 0);
   }
-  const VolumeStatistics statistics = digest_volume(*open(), &console).statistics;
+  const VolumeStatistics statistics = digest_volume(*open(), &progress).statistics;
   return plan_conversion(header, output, statistics.min, statistics.max);
 }
 
 }  // namespace
 
 void write_converted(const VolumeOpener& open, const std::string& output,
-                     const WriteOptions& options, Console& console) {
+                     const WriteOptions& options, Progress& progress) {
   const std::unique_ptr<VolumeFile> file = open();
   const VolumeHeader& header = file->header();
-  warn_of_all(header.path, header.warnings, &console);
-  const ConvertPlan plan = plan_for(open, header, output, console);
-  warn_of_all(output, convert(*file, plan, output, options, &console), &console);
+  warn_of_all(header.path, header.warnings, &progress);
+  const ConvertPlan plan = plan_for(open, header, output, progress);
+  warn_of_all(output, convert(*file, plan, output, options, &progress), &progress);
 }
 
 }  // namespace supple::tools

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/console/console.h"
+#include "volumes/base/progress.h"
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/format/volume_file.h"
 
@@ -14,10 +14,10 @@ namespace supple::tools {
 /// Opens the volume, filters included, at its first slice.
 using VolumeOpener = std::function<std::unique_ptr<VolumeFile>()>;
 
-/// Warnings of the input and the output go to the console. `open` is called a second time where
+/// Warnings of the input and the output go to the progress. `open` is called a second time where
 /// integers with slope and intercept meet a format without: the new type depends on how far they
 /// reach.
 void write_converted(const VolumeOpener& open, const std::string& output,
-                     const WriteOptions& options, Console& console);
+                     const WriteOptions& options, Progress& progress);
 
 }  // namespace supple::tools

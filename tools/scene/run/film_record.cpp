@@ -7,9 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/console/command.h"
 #include "tools/scene/run/scene_files.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/error.h"
 #include "volumes/base/sha256.h"
 #include "volumes/base/version.h"
 

@@ -34,7 +34,7 @@ int SceneRun::motion_frame(int frame) {
 
 /// The number by which the poses of this frame are kept.
 int SceneRun::pose_frame(int frame) {
-  m_console.enter("frame", frame);
+  m_progress.enter("frame", frame);
   if (m_scene.films_motion()) return motion_frame(frame);
   const std::size_t still = m_scene.still_steps();
   if (still == m_scene.steps.size()) return 0;
@@ -97,7 +97,7 @@ void SceneRun::run_film() {
     if (m_scene.film->frames_to_make.empty()) break;
     const Drawn drawn = drawn_after(first, view);
     views.push_back(
-        std::make_unique<FilmView>(drawn.subject, drawn.view, *m_scene.film, &m_drawn, m_console));
+        std::make_unique<FilmView>(drawn.subject, drawn.view, *m_scene.film, &m_drawn, m_progress));
     m_own.reset();
   }
   make_folders();
@@ -109,7 +109,7 @@ void SceneRun::run_film() {
       throw in_frame(frame, error);
     }
   }
-  m_console.tell_repeats();
+  m_progress.tell_repeats();
   make_videos();
 }
 

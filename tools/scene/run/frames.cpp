@@ -37,7 +37,7 @@ double longest_offset_mm(const PosedVolume& subject) {
 /// A body on its way from rest to where it is.
 class Halfway {
  public:
-  Halfway(const PosedVolume& subject, double fraction, bool needs_inverse, Console& console)
+  Halfway(const PosedVolume& subject, double fraction, bool needs_inverse, Progress& progress)
       : m_displacement(*subject.displacement), m_subject(subject) {
     for_each_stored(m_displacement.u.vectors, [&](Vec3f& u) { u *= float(fraction); });
     if (!needs_inverse) return;
@@ -45,7 +45,7 @@ class Halfway {
     params.material = &subject.elements;
     const LinkCuts none;
     const CutElements body{subject.elements, subject.cuts != nullptr ? *subject.cuts : none};
-    m_offsets = invert_cut(m_displacement, body, params, &console);
+    m_offsets = invert_cut(m_displacement, body, params, &progress);
   }
   PosedVolume subject() const {
     PosedVolume halfway = m_subject;
@@ -105,7 +105,7 @@ std::vector<float> ids_of(const FloatImage& picture, const std::vector<Vec3d>& r
 
 /// The keys of a view's camera, framed as the first frame shows the subject.
 CameraPath camera_path_of(const PosedVolume& subject, const Renderer* renderer, SceneView view,
-                          Console& console) {
+                          Progress& progress) {
   CameraPath path;
   const std::vector<CameraKey> keys = std::exchange(view.camera_keys, {});
   const bool has_heights =
@@ -113,7 +113,7 @@ CameraPath camera_path_of(const PosedVolume& subject, const Renderer* renderer, 
   for (const CameraKey& key : keys) {
     if (key.choice) {
       view.camera = *key.choice;
-      const Camera camera = framed_camera(subject, renderer, view, console);
+      const Camera camera = framed_camera(subject, renderer, view, progress);
       path.add_place(key.time, camera, key.easing);
       if (!has_heights) path.add_height(key.time, camera.height_mm, key.easing);
     }
@@ -131,13 +131,13 @@ CameraPath camera_path_of(const PosedVolume& subject, const Renderer* renderer, 
 class ViewDrawing {
  public:
   ViewDrawing(const PosedVolume& subject, const SceneView& view, const Film* film,
-              RenderReport* report, Console& console)
+              RenderReport* report, Progress& progress)
       : m_subject(subject),
         m_view(view),
         m_film(film != nullptr ? *film : Film()),
         m_options(m_view.picture),
         m_report(report),
-        m_console(console) {
+        m_progress(progress) {
     require_subject();
     m_offset_range.hi = m_options.offset_max_mm;
     const bool shows_arrows = view.marks.arrows_mm && !view.slice;
@@ -157,8 +157,8 @@ class ViewDrawing {
       const bool turns = std::any_of(view.camera_keys.begin(), view.camera_keys.end(),
                                      [](const CameraKey& key) { return key.turn_deg; });
       if (turns) framing.picture.turntable = 1;  // in sight all the way round
-      m_camera = framed_camera(subject, m_renderer.get(), framing, console);
-      m_path = camera_path_of(subject, m_renderer.get(), framing, console);
+      m_camera = framed_camera(subject, m_renderer.get(), framing, progress);
+      m_path = camera_path_of(subject, m_renderer.get(), framing, progress);
       m_view.fit.clear();
       m_view.zoom = 1;
       m_zoom = view.zoom;
@@ -203,8 +203,8 @@ class ViewDrawing {
 
   void write_picture(const FloatImage& picture, int n, double fraction, PictureWriter& writer) {
     if (m_renderer && !m_is_seen) {
-      m_console.warn(m_view.image + ": nothing is to be seen in the picture" +
-                     (m_options.is_series() ? ", number " + std::to_string(n) : ""));
+      m_progress.warn(m_view.image + ": nothing is to be seen in the picture" +
+                      (m_options.is_series() ? ", number " + std::to_string(n) : ""));
     }
     writer.write({picture, n, describe(frame_view(n), n, fraction), m_offset_range,
                   -camera_frame(camera_at(n)).forward});
@@ -268,7 +268,7 @@ class ViewDrawing {
     if (fraction == 0) return draw_posed(at_rest(m_subject), frame);
     if (fraction == 1) return draw_posed(m_subject, frame);
     const bool needs_inverse = m_view.inverse && !m_view.lattice;
-    const Halfway halfway(m_subject, fraction, needs_inverse, m_console);
+    const Halfway halfway(m_subject, fraction, needs_inverse, m_progress);
     return draw_posed(halfway.subject(), frame);
   }
 
@@ -290,7 +290,7 @@ class ViewDrawing {
 
   FloatImage draw_one(const PosedVolume& subject, const SceneView& frame) {
     RenderReport report;
-    FloatImage picture = draw(subject, m_renderer.get(), frame, &report, m_console);
+    FloatImage picture = draw(subject, m_renderer.get(), frame, &report, m_progress);
     add(report, m_report);
     m_is_seen = m_is_seen || !is_empty(picture);
     if (!frame.slice) decorate(picture, subject, frame);
@@ -314,7 +314,7 @@ class ViewDrawing {
   const Film m_film;
   const PictureOptions& m_options;
   RenderReport* m_report;
-  Console& m_console;
+  Progress& m_progress;
   std::unique_ptr<Renderer> m_renderer;
   Camera m_camera;
   CameraPath m_path;
@@ -324,10 +324,10 @@ class ViewDrawing {
 };
 
 FilmView::FilmView(const PosedVolume& first, const SceneView& view, const Film& film,
-                   RenderReport* report, Console& console)
+                   RenderReport* report, Progress& progress)
     : m_place(view.place) {
   try {
-    m_drawing = std::make_unique<ViewDrawing>(first, view, &film, report, console);
+    m_drawing = std::make_unique<ViewDrawing>(first, view, &film, report, progress);
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
   }
@@ -345,9 +345,9 @@ void FilmView::draw(const PosedVolume& subject, const NeighbourFrames& beside, i
 }
 
 void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter& writer,
-               RenderReport* report, Console& console) {
+               RenderReport* report, Progress& progress) {
   try {
-    ViewDrawing(subject, view, nullptr, report, console).draw_all(writer);
+    ViewDrawing(subject, view, nullptr, report, progress).draw_all(writer);
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
   }

@@ -13,7 +13,7 @@ namespace supple::tools {
 /// since s o would not be the offset of s u. Throws InputError, with the view's place, for channels
 /// that the subject does not have.
 void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter& writer,
-               RenderReport* report, Console& console);
+               RenderReport* report, Progress& progress);
 
 class ViewDrawing;
 
@@ -29,7 +29,7 @@ class FilmView {
   /// The first frame decides how the camera frames the subject. All that the subjects refer to
   /// stays where it is.
   FilmView(const PosedVolume& first, const SceneView& view, const Film& film, RenderReport* report,
-           Console& console);
+           Progress& progress);
   ~FilmView();
 
   /// Throws as draw_view().

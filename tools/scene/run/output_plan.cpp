@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "tools/console/command.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/error.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
@@ -93,7 +93,7 @@ void OutputPlan::add_file(const std::string& path) {
   if (!m_outputs.insert(place).second) {
     throw InputError({path, "output", "a file that another output writes", "different files"});
   }
-  if (!m_force && exists) {
+  if (!m_may_overwrite && exists) {
     throw UsageError(path + ": output exists, add --force to overwrite it");
   }
   m_files.push_back(path);

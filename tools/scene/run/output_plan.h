@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "tools/console/console.h"
 #include "tools/scene/pictures/picture_options.h"
+#include "volumes/base/progress.h"
 #include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
@@ -17,8 +17,8 @@ namespace supple::tools {
 class OutputPlan {
  public:
   /// `creates_folders`: missing folders are no error, since the command makes them.
-  explicit OutputPlan(const GlobalOptions& options, bool creates_folders = false)
-      : m_force(options.force), m_creates_folders(creates_folders) {}
+  explicit OutputPlan(bool may_overwrite, bool creates_folders = false)
+      : m_may_overwrite(may_overwrite), m_creates_folders(creates_folders) {}
 
   /// A file that must not be overwritten, and the files that a volume of that name is read from
   /// beside it: the data files of a header, the slices of a folder.
@@ -41,7 +41,7 @@ class OutputPlan {
   void add_file(const std::string& path);
   bool is_read(const std::string& place);
 
-  bool m_force;
+  bool m_may_overwrite;
   bool m_creates_folders;
   std::set<std::string> m_inputs, m_outputs;  // canonical
   std::vector<std::string> m_files;

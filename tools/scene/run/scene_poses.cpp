@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "tools/scene/run/scene_run.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
@@ -39,12 +40,12 @@ std::int64_t count_outside_box(const State& state, const Displacement& displacem
 }
 
 /// Pictures, warps and volumes show the box of the source.
-void warn_of_lost_sight(const State& state, const Displacement& displacement, Console& console) {
+void warn_of_lost_sight(const State& state, const Displacement& displacement, Progress& progress) {
   const std::int64_t elements = state.elements.active_count();
   const std::int64_t outside = count_outside_box(state, displacement);
   if (2 * outside <= elements) return;
-  console.warn(std::to_string(outside) + " of " + with_count(elements, "element") +
-               " lie outside of the volume's box, which pictures and warps show");
+  progress.warn(std::to_string(outside) + " of " + with_count(elements, "element") +
+                " lie outside of the volume's box, which pictures and warps show");
 }
 
 }  // namespace
@@ -73,10 +74,10 @@ void SceneRun::take_state(int step) {
 /// them.
 const Displacement& SceneRun::displacement(int step) {
   if (m_displaced_step != step) {
-    m_console.stage(kDisplacementStage);
+    m_progress.stage(kDisplacementStage);
     take_state(step);
     m_deformed.displacement = extended_displacement_of(m_state);
-    warn_of_lost_sight(m_state, m_deformed.displacement, m_console);
+    warn_of_lost_sight(m_state, m_deformed.displacement, m_progress);
     if (!m_session) m_state.q = {};  // nothing else reads the offsets of its elements
     m_displaced_step = step;
   }
@@ -122,7 +123,7 @@ std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int ste
 const Pose& SceneRun::deformed(int step) {
   displacement(step);
   if (m_inverted_step != step) {
-    m_deformed.offsets = invert_displacement(m_state, m_deformed.displacement, &m_console,
+    m_deformed.offsets = invert_displacement(m_state, m_deformed.displacement, &m_progress,
                                              seen_bricks(m_scene, step, m_state.geometry));
     m_inverted_step = step;
     m_has_inverted = true;
@@ -135,7 +136,7 @@ const Pose& SceneRun::deformed(int step) {
 const Pose& SceneRun::seen(int step) {
   if (m_scene.path.empty()) return deformed(step);
   if (m_seen_step != step) {
-    m_seen = send_along(m_scene.path, deformed(step), m_console);
+    m_seen = send_along(m_scene.path, deformed(step), m_progress);
     m_seen_step = step;
   }
   return *m_seen;
@@ -170,13 +171,13 @@ const Pose* SceneRun::posed_for(SceneView& view, int step) {
     view.path.insert(view.path.begin(), m_scene.path.begin(), m_scene.path.end());
     if (!has_own) return &seen(step);
     deformed(step);
-    m_own = is_all_that_reads(view) ? send_along(view.path, take_deformed(), m_console)
-                                    : send_along(view.path, m_deformed, m_console);
+    m_own = is_all_that_reads(view) ? send_along(view.path, take_deformed(), m_progress)
+                                    : send_along(view.path, m_deformed, m_progress);
     return &*m_own;
   }
   take_state(step);
   if (!has_own) return nullptr;
-  m_own = send_along(view.path, m_state.geometry, m_state.density.bricks(), m_console);
+  m_own = send_along(view.path, m_state.geometry, m_state.density.bricks(), m_progress);
   return &*m_own;
 }
 
@@ -187,13 +188,13 @@ const Pose* SceneRun::posed_volume_for(SceneView& view) {
   const bool has_warp = m_has_warp && view.deformed;
   if (path.empty()) return has_warp ? &m_deformed : nullptr;
   if (has_warp) {
-    m_own = Pose{{}, send_along(path, m_deformed.offsets, m_console)};
+    m_own = Pose{{}, send_along(path, m_deformed.offsets, m_progress)};
   } else {
     const BrickTopology& bricks = m_state.density.bricks();
     // With the air that pictures of the volume at rest read, too.
     const BrickTopology body =
         view.slice ? bricks : dilate_inside(bricks, kAirRings, m_state.geometry.dims());
-    m_own = send_along(path, m_state.geometry, body, m_console);
+    m_own = send_along(path, m_state.geometry, body, m_progress);
   }
   return &*m_own;
 }

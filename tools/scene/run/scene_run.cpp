@@ -1,6 +1,7 @@
 #include "tools/scene/run/scene_run.h"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -31,23 +32,23 @@ void require_no_warp(const Scene& scene, const std::string& found) {
 }
 
 /// The warp file as offsets of the volume; warns when none of them leads into it.
-OffsetField read_offsets(const std::string& path, const Geometry& source, Console& console) {
-  OffsetField offsets = offsets_from_warp(read_warp(path, &console, &source), source, &console);
+OffsetField read_offsets(const std::string& path, const Geometry& source, Progress& progress) {
+  OffsetField offsets = offsets_from_warp(read_warp(path, &progress, &source), source, &progress);
   if (offsets.o.topology.empty()) {
-    console.warn(path + ": no vector leads into the volume, the picture is empty");
+    progress.warn(path + ": no vector leads into the volume, the picture is empty");
   }
   return offsets;
 }
 
 }  // namespace
 
-OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global) {
+OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_overwrite) {
   const bool is_file = !scene.file.empty();
   if (scene.has_events) {
     throw InputError({scene.file, "event", "the journal of a live session",
                       "a scene of it (`supple replay --scene`), or `supple replay`"});
   }
-  OutputPlan plan(global, is_file);
+  OutputPlan plan(may_overwrite, is_file);
   if (is_file) plan.protect(scene.file);
   // A command may continue a state in place.
   if (is_file || !is_state_file(scene.volume_path)) plan.protect(scene.volume_path, scene.read);
@@ -91,13 +92,15 @@ SessionOptions session_options(const Scene& scene) {
 }
 
 SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions,
-                   Console& console)
+                   Progress& progress)
     : m_scene(scene),
       m_folder(folder),
       m_tells_reactions(tells_reactions || !scene.output.motion.empty()),
-      m_console(console) {
-  for (const std::string& line : scene.warnings) console.warn(line);
+      m_progress(progress) {
+  for (const std::string& line : scene.warnings) progress.warn(line);
+  const auto begin = std::chrono::steady_clock::now();
   open();
+  m_open_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   check_places(scene, m_state.geometry);
 }
 
@@ -107,14 +110,14 @@ void SceneRun::open() {
   if (needs_body(m_scene)) {
     require_no_warp(m_scene, "a body that moves by itself");
     m_session =
-        std::make_unique<Session>(m_scene.volume_path, session_options(m_scene), &m_console);
+        std::make_unique<Session>(m_scene.volume_path, session_options(m_scene), &m_progress);
     m_state.geometry = m_session->geometry();
     m_grey_lo = m_session->body().material.domain_lo;
     m_grey_hi = m_session->body().material.domain_hi;
   } else if (is_state_file(m_scene.volume_path)) {
     require_no_warp(m_scene, "a state, which has its own");
     require_unused(m_scene.read, m_scene.volume_path);
-    m_state = read_state(m_scene.volume_path, &m_console);
+    m_state = read_state(m_scene.volume_path, &m_progress);
     const MaterialTable material = parse_material(m_state.material_toml, m_scene.volume_path);
     m_grey_lo = material.domain_lo;
     m_grey_hi = material.domain_hi;
@@ -129,7 +132,7 @@ void SceneRun::open_volume_alone() {
     if (view.inverse) continue;
     throw InputError({view.place, "inverse", "a volume that nothing moves", "a state or steps"});
   }
-  const auto file = open_volume(m_scene.volume_path, m_scene.read, &m_console);
+  const auto file = open_volume(m_scene.volume_path, m_scene.read, &m_progress);
   const Geometry& geometry = file->header().geometry;
   const bool is_slice = std::all_of(m_scene.views.begin(), m_scene.views.end(),
                                     [](const SceneView& view) { return view.slice.has_value(); });
@@ -140,15 +143,15 @@ void SceneRun::open_volume_alone() {
   if (is_lattice) require_no_warp(m_scene, "a lattice to draw");
   // Before the volume, so that the warp's vectors are gone when its voxels come.
   m_has_warp = !m_scene.warp_path.empty();
-  if (m_has_warp) m_deformed.offsets = read_offsets(m_scene.warp_path, geometry, m_console);
+  if (m_has_warp) m_deformed.offsets = read_offsets(m_scene.warp_path, geometry, m_progress);
   // A lattice shows every voxel; a picture leaves out the air at the file's minimum.
   const double everything = std::numeric_limits<double>::max();
   Volume volume = is_lattice
-                      ? load_elements(*file, -everything, everything, 0, 0, &m_console).volume
-                      : load_volume(*file, &m_console);
+                      ? load_elements(*file, -everything, everything, 0, 0, &m_progress).volume
+                      : load_volume(*file, &m_progress);
   const std::string void_values = void_values_text(volume.statistics);
   if (!void_values.empty()) {
-    m_console.warn(m_scene.volume_path + ": " + void_values + " treated as void");
+    m_progress.warn(m_scene.volume_path + ": " + void_values + " treated as void");
   }
   m_grey_lo = volume.statistics.min;
   m_grey_hi = std::max(volume.statistics.max, volume.statistics.min + 1);
@@ -180,7 +183,7 @@ void SceneRun::run() {
 /// Nothing reads what was of the body before.
 void SceneRun::solve(std::size_t n, double time) {
   forget_pose();
-  run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_console, time);
+  run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_progress, time);
 }
 
 void SceneRun::make_folders() const {
@@ -199,7 +202,7 @@ void SceneRun::draw_views(int step) {
     if (view.after_step.value_or(last_step()) != step) continue;
     const Drawn drawn = drawn_after(step, view);
     PictureWriter writer(m_pictures, path_of(view.image), view.picture);
-    draw_view(drawn.subject, drawn.view, writer, &m_drawn, m_console);
+    draw_view(drawn.subject, drawn.view, writer, &m_drawn, m_progress);
     m_own.reset();
   }
 }
@@ -216,7 +219,7 @@ void SceneRun::write_outputs(int last, int frame) {
   };
   if (is_due(output.state)) {
     const Pose& moved = deformed(last);
-    write_state(file_of(output.state), m_state, moved.offsets, &m_console);
+    write_state(file_of(output.state), m_state, moved.offsets, &m_progress);
   }
   const auto write_warps = [&](const std::vector<std::string>& names, WarpDirection direction) {
     for (const std::string& name : names) {
@@ -227,18 +230,18 @@ void SceneRun::write_outputs(int last, int frame) {
         displacement(last);
       }
       write_state_warp({file_of(name), direction, VoidMode::nearest, m_state.geometry}, m_state,
-                       m_scene.path.empty() ? m_deformed : *m_seen, &m_console);
+                       m_scene.path.empty() ? m_deformed : *m_seen, &m_progress);
     }
   };
   write_warps(output.offsets, WarpDirection::resample);
   write_warps(output.displacements, WarpDirection::material);
   for (const std::string& name : output.volumes) {
     if (!is_due(name)) continue;
-    write_resampled(file_of(name), m_state, seen(last), m_state.geometry, {}, &m_console);
+    write_resampled(file_of(name), m_state, seen(last), m_state.geometry, {}, &m_progress);
   }
   for (const ElementOutput& wanted : output.elements) {
     if (!is_due(wanted.path)) continue;
-    write_element_volume(file_of(wanted.path), *m_session, wanted.quantity, &m_console);
+    write_element_volume(file_of(wanted.path), *m_session, wanted.quantity, &m_progress);
   }
   if (is_due(output.motion)) write_motion_table(path_of(output.motion), *m_session);
 }

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "lib/session/session.h"
-#include "tools/console/console.h"
 #include "tools/scene/file/run_step.h"
 #include "tools/scene/file/scene.h"
 #include "tools/scene/pictures/picture_writer.h"
@@ -16,13 +15,14 @@
 #include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/scene_files.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/progress.h"
 
 namespace supple::tools {
 
 /// The files that the scene would write, relative to `folder` (empty: as written), and all that can
 /// be known to fail before a volume is read. Missing folders are no error where the scene is a
 /// file. Throws UsageError or InputError.
-OutputPlan check_scene(const Scene& scene, const std::string& folder, const GlobalOptions& global);
+OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_overwrite);
 
 /// Stage in which displacements of elements are extended into the air around them.
 constexpr const char* kDisplacementStage = "displacement";
@@ -48,7 +48,7 @@ class SceneRun {
  public:
   /// Opens the subject of the scene: a body where something moves, else a state or a volume alone.
   /// `tells_reactions`: the records hold the forces on handles. Refers to the scene.
-  SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions, Console& console);
+  SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions, Progress& progress);
   ~SceneRun();
 
   /// Throws InputError, with the place in the scene, where a handle or a fixed voxel is no element.
@@ -62,6 +62,8 @@ class SceneRun {
 
   /// The subject as it is now; of a volume alone geometry and densities.
   State opened() const { return m_session ? m_session->state() : m_state; }
+  /// Seconds that opening it took.
+  double open_s() const { return m_open_s; }
   /// The body; null where nothing moves.
   const Session* session() const { return m_session.get(); }
   /// Of the last inversion; null where there was none.
@@ -107,7 +109,8 @@ class SceneRun {
   const Scene& m_scene;
   std::string m_folder;
   bool m_tells_reactions;
-  Console& m_console;
+  Progress& m_progress;
+  double m_open_s = 0;
   std::unique_ptr<Session> m_session;
   State m_state;  // of the body after a step, or of the file
   double m_grey_lo = 0, m_grey_hi = 1;

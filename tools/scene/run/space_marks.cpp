@@ -8,6 +8,7 @@
 #include "raycast/drawings/slice.h"
 #include "raycast/drawings/surface_grid.h"
 #include "raycast/march/surface_scene.h"
+#include "tools/scene/run/overlay_paint.h"
 #include "volumes/base/error.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/points/material_points.h"

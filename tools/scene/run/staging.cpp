@@ -73,7 +73,7 @@ void add_visible_points(const FloatImage& picture, const Camera& camera,
 }
 
 std::vector<Vec3d> visible_points(const PosedVolume& subject, const Renderer& renderer,
-                                  SceneView view, const Camera& camera, Console& console) {
+                                  SceneView view, const Camera& camera, Progress& progress) {
   const double larger = std::max(view.size[0], view.size[1]);
   for (int& side : view.size) side = std::max(1, int(std::lround(side * kLookPixels / larger)));
   view.lighting.model = ShadingModel::none;
@@ -84,7 +84,7 @@ std::vector<Vec3d> visible_points(const PosedVolume& subject, const Renderer& re
   const int looks = view.picture.turntable > 0 ? kLooksAround : 1;
   for (int n = 0; n < looks; ++n) {
     view.camera.camera = turned_about_target(camera, double(n) / looks);
-    add_visible_points(draw(subject, &renderer, view, nullptr, console), *view.camera.camera,
+    add_visible_points(draw(subject, &renderer, view, nullptr, progress), *view.camera.camera,
                        points);
   }
   return points;
@@ -125,7 +125,7 @@ FramingMargins framing_margins(const SceneView& view) {
 }
 
 Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
-                     Console& console) {
+                     Progress& progress) {
   const Camera camera = camera_of(subject, view);
   if (view.fit.empty()) return zoomed(camera, view.zoom);
   const double aspect = double(view.size[0]) / view.size[1];
@@ -142,7 +142,7 @@ Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const
   for (int look = 0; look < kMostLooks; ++look) {
     const Camera wide = zoomed(found, look == 0 ? 1 : kLookZoom);
     const Camera before = found;
-    found = framed(found, aspect, visible_points(subject, *renderer, view, wide, console), motion,
+    found = framed(found, aspect, visible_points(subject, *renderer, view, wide, progress), motion,
                    margins);
     const double moved = (found.position_lps_mm - before.position_lps_mm).length();
     const double distance = (found.target_lps_mm - found.position_lps_mm).length();

@@ -13,7 +13,7 @@ FramingMargins framing_margins(const SceneView& view);
 /// null for a lattice. The visible part is found in small pictures: where their opacity is at least
 /// a tenth; inside of the volume's box, or of the camera's picture where the view names a place.
 Camera framed_camera(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
-                     Console& console);
+                     Progress& progress);
 
 /// Puts the background behind a picture of an effective view and writes its annotations over it.
 void decorate(FloatImage& picture, const PosedVolume& subject, const SceneView& view);

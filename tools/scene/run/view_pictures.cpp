@@ -198,7 +198,7 @@ namespace {
 
 /// Looks count opacity per mm: where voxels are much smaller, all of them are nearly clear.
 void warn_of_clear_voxels(const PosedVolume& subject, const TransferFunction& look,
-                          Console& console) {
+                          Progress& progress) {
   if (look.blend != Blend::composite) return;
   const double lo = subject.grey_lo, hi = subject.grey_hi;
   double opacity = std::max(look.opacity_at(lo), look.opacity_at(hi));
@@ -214,17 +214,17 @@ void warn_of_clear_voxels(const PosedVolume& subject, const TransferFunction& lo
   const double of_voxel = 1 - std::pow(1 - reached, voxel_mm / look.unit_distance_mm);
   if (opacity < kFaint || of_voxel >= kClear) return;
   const std::string name = look.name.empty() ? "this look" : "preset " + look.name;
-  console.warn(name + " is clear at voxels of " + number_text(voxel_mm) + " mm: an opacity of " +
-               number_text(100 * reached) + " % is " + number_text(100 * of_voxel) +
-               " % of a voxel, as its unit_distance is " + number_text(look.unit_distance_mm) +
-               " mm; a file of it with " + number_text(look.unit_distance_mm * voxel_mm) +
-               " shows more");
+  progress.warn(name + " is clear at voxels of " + number_text(voxel_mm) + " mm: an opacity of " +
+                number_text(100 * reached) + " % is " + number_text(100 * of_voxel) +
+                " % of a voxel, as its unit_distance is " + number_text(look.unit_distance_mm) +
+                " mm; a file of it with " + number_text(look.unit_distance_mm * voxel_mm) +
+                " shows more");
 }
 
 }  // namespace
 
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
-                RenderReport* report, Console& console) {
+                RenderReport* report, Progress& progress) {
   if (view.slice) {
     return draw_slices(
         {subject.geometry, subject.density, subject.outlined, subject.offsets, subject.elements},
@@ -241,12 +241,12 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
                       "a volume of several slices"});
   }
   if (view.lattice) return to_float(draw_body_lattice(subject, view));
-  warn_of_clear_voxels(subject, look_of(view), console);
-  if (view.caster == Caster::vtk) return draw_by_vtk(subject, view, console);
+  warn_of_clear_voxels(subject, look_of(view), progress);
+  if (view.caster == Caster::vtk) return draw_by_vtk(subject, view, progress);
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, subject.geometry);
   return renderer->render_float(camera_of(subject, view), look_of(view), settings, report,
-                                &console);
+                                &progress);
 }
 
 namespace {

@@ -59,7 +59,7 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
 /// One picture, marched by `renderer` unless the view is a lattice or slices. The view is an
 /// effective one.
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
-                RenderReport* report, Console& console);
+                RenderReport* report, Progress& progress);
 
 /// Effective configuration of a picture, embedded in its file; `more` is an object with further
 /// facts.

@@ -122,7 +122,7 @@ void check_vtk_view(const SceneView& view) {
          "shadows, occlusion or exposure");
 }
 
-FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Console& console) {
+FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Progress& progress) {
   const TransferFunction look = look_of(view);
   if (look.blend != Blend::composite || !look.gradient_opacity.empty()) {
     throw InputError({view.place, "caster", "vtk beside a maximum or opacities of gradients",
@@ -131,14 +131,14 @@ FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Consol
   if (!subject.geometry.is_orthogonal()) {
     throw InputError({view.place, "caster", "vtk and a sheared grid", "axes at right angles"});
   }
-  console.stage("starting VTK");
+  progress.stage("starting VTK");
   if (!VtkPeer::is_installed()) {
     throw InputError({view.place, "caster", "vtk without its Python modules or Xvfb",
                       "python3-vtk9 and xvfb installed"});
   }
   const VirtualDisplay display(true);
-  VtkPeer vtk(display, &console);
-  console.stage("rendering");
+  VtkPeer vtk(display, &progress);
+  progress.stage("rendering");
   const ScratchFolder folder;
   const VtkFrame frame(subject.geometry);
   const std::string volume = folder / "volume.mha", picture = folder / "picture.png";

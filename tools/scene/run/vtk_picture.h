@@ -14,6 +14,6 @@ void check_vtk_view(const SceneView& view);
 
 /// An effective view. Gradients count in full for shading (full_shading_gradient is not known to
 /// VTK). Throws InputError where VTK is not installed, Error where it fails, Cancelled.
-FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Console& console);
+FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Progress& progress);
 
 }  // namespace supple::tools

@@ -1,0 +1,79 @@
+#include "tools/console/dry_run.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/console/command.h"
+#include "tools/scene/plan/memory_need.h"
+#include "tools/scene/plan/plan_text.h"
+#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/run/reports.h"
+
+namespace supple::tools {
+
+namespace {
+
+std::size_t fixed_count(const SceneStep& step) {
+  std::size_t points = 0;
+  for (const PointFile& file : step.fix_points) points += file.rows.size();
+  return step.fix.size() + step.fix_labels.size() + points;
+}
+
+void print_scene(const Scene& scene, const std::string& folder, const SceneRun& run) {
+  std::printf("volume  %s\n", scene.volume_path.c_str());
+  for (std::size_t n = 0; n < scene.steps.size(); ++n) {
+    const SceneStep& step = scene.steps[n];
+    std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
+                step.handles.size(), fixed_count(step), step.cuts.size(),
+                step.release ? ", releases" : "",
+                step.relax     ? ", relaxes"
+                : step.springs ? ", springs"
+                : step.fem     ? ", finite elements"
+                               : "");
+    print_places(run.places(step));
+  }
+  for (const std::string& name : scene.outputs()) {
+    std::printf("writes  %s\n", path_in(folder, name).c_str());
+  }
+}
+
+/// The scene's volume, steps with the places of handles, and outputs.
+nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder,
+                                  const SceneRun& run) {
+  nlohmann::ordered_json json = {{"volume", scene.volume_path}};
+  json["steps"] = nlohmann::ordered_json::array();
+  for (const SceneStep& step : scene.steps) {
+    json["steps"].push_back({{"handles", to_json(run.places(step))},
+                             {"fix", fixed_count(step)},
+                             {"cuts", step.cuts.size()},
+                             {"release", step.release},
+                             {"relax", step.relax.has_value()},
+                             {"springs", step.springs.has_value()},
+                             {"fem", step.fem.has_value()}});
+  }
+  json["outputs"] = nlohmann::ordered_json::array();
+  for (const std::string& name : scene.outputs()) json["outputs"].push_back(path_in(folder, name));
+  return json;
+}
+
+}  // namespace
+
+int tell_plan(const Scene& scene, const std::string& folder, const GlobalOptions& global,
+              Console& console) {
+  require_memory_to_open(scene, &console);
+  const SceneRun run(scene, folder, false, console);
+  run.check_steps();
+  const ScenePlan plan = plan_of(scene, run);
+  if (global.json) {
+    nlohmann::ordered_json json = scene_json(scene, folder, run);
+    json["plan"] = to_json(plan);
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    print_scene(scene, folder, run);
+    std::printf("\n%s", text_of_plan(plan).c_str());
+  }
+  return kOk;
+}
+
+}  // namespace supple::tools
