@@ -2,23 +2,12 @@
 
 #include <filesystem>
 
-#include <nlohmann/json.hpp>
-
 #include "volumes/base/error.h"
 #include "volumes/field/points/material_points.h"
 
 namespace supple::tools {
 
 namespace {
-
-/// Of a table `mesh` but for its path.
-Fields mesh_fields(MeshChoice& choice) {
-  return {
-      Field("colour", choice.rgb, "Colour"),
-      Field("opacity", choice.opacity, "Share of the light that it stops").range(0, 1),
-      Field("deform", choice.deform, "Made at rest, it moves along with the tissue"),
-  };
-}
 
 Light read_light(TomlTable& table) {
   Light light;
@@ -33,7 +22,7 @@ MeshChoice read_mesh_choice(TomlTable& table) {
   MeshChoice choice;
   choice.place = table.place();
   table.know({"path"});
-  table.read(mesh_fields(choice));
+  table.read(fields(choice));
   const std::string path = table.require(table.path("path"), "path", "an .stl, .ply or .obj file");
   table.finish();
   choice.file = std::filesystem::path(path).filename().string();
@@ -74,6 +63,14 @@ Fields fields(Light& light) {
   };
 }
 
+Fields fields(MeshChoice& choice) {
+  return {
+      Field("colour", choice.rgb, "Colour"),
+      Field("opacity", choice.opacity, "Share of the light that it stops").range(0, 1),
+      Field("deform", choice.deform, "Made at rest, it moves along with the tissue"),
+  };
+}
+
 std::vector<Light> read_lights(TomlTable& table) {
   std::vector<Light> lights;
   for (TomlTable& light : table.tables("light")) lights.push_back(read_light(light));
@@ -96,18 +93,6 @@ std::vector<Surface> surfaces_of(const std::vector<MeshChoice>& meshes,
     vertices = moved_along(*displacement, vertices);
   }
   return surfaces;
-}
-
-nlohmann::ordered_json to_json(const Light& light) {
-  Light copy = light;
-  return nlohmann::ordered_json::parse(fields_json(fields(copy)));
-}
-
-nlohmann::ordered_json to_json(const MeshChoice& choice) {
-  MeshChoice copy = choice;
-  auto json = nlohmann::ordered_json::parse(fields_json(mesh_fields(copy)));
-  json["path"] = choice.file;
-  return json;
 }
 
 }  // namespace supple::tools

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "lib/material/toml_table.h"
 #include "raycast/march/shading.h"
 #include "raycast/scene/surface.h"
@@ -28,6 +26,8 @@ struct MeshChoice {
 Fields fields(Lighting& lighting);
 /// Of a table `light`.
 Fields fields(Light& light);
+/// Those of a table `mesh`, its path apart.
+Fields fields(MeshChoice& choice);
 /// The key light of a view. Throws InputError.
 std::vector<Light> read_lights(TomlTable& table);
 /// The key mesh of a view.
@@ -36,8 +36,5 @@ std::vector<MeshChoice> read_meshes(TomlTable& table);
 /// Meshes as they are drawn: those that deform moved by the displacement, null: at rest.
 std::vector<Surface> surfaces_of(const std::vector<MeshChoice>& meshes,
                                  const Displacement* displacement);
-
-nlohmann::ordered_json to_json(const Light& light);
-nlohmann::ordered_json to_json(const MeshChoice& choice);
 
 }  // namespace supple::tools

@@ -8,6 +8,7 @@
 #include "raycast/scene/stereo.h"
 #include "tools/scene/run/overlay_paint.h"
 #include "tools/scene/run/staging.h"
+#include "tools/scene/run/view_record.h"
 #include "volumes/field/cuts/cut_offsets.h"
 
 namespace supple::tools {

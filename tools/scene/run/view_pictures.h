@@ -5,8 +5,6 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "raycast/render.h"
 #include "raycast/scene/view_volume.h"
 #include "tools/scene/file/scene.h"
@@ -60,9 +58,5 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
 /// effective one.
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                 RenderReport* report, Progress& progress);
-
-/// Effective configuration of a picture, embedded in its file; `more` is an object with further
-/// facts.
-std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more);
 
 }  // namespace supple::tools
