@@ -80,7 +80,6 @@ install(CODE "
     COMMAND_ERROR_IS_FATAL ANY)")
 
 # Headers: `#include "volumes/…"` of the source becomes `#include <supple/volumes/…>`.
-set(SUPPLE_HEADER_FOLDERS volumes lib raycast)
 install(CODE "
   set(source \"${PROJECT_SOURCE_DIR}\")
   set(generated \"${PROJECT_BINARY_DIR}/generated\")

@@ -70,6 +70,9 @@ if [ "$way" = install ]; then
   "$bin/incremental_inverse" ball.nhdr 12 12 16
   "$bin/mesh_body"
   "$bin/own_model" ball.nhdr 12 12 16
+  printf '[volume]\npath = "ball.nhdr"\n[[step]]\ngrab = [12, 12, 16]\nby = [0.0, 2.0, 0.0]\n[output]\nstate = "s.vdb"\n' >ball.toml
+  mkdir scene && "$bin/run_scene" ball.toml scene && test -s scene/s.vdb
+  "$bin/live_session" ball.toml
   mkdir in out && cp ball.* in && "$bin/batch" in out && test -s out/ball.png
 fi
 "$prefix/bin/supple-examples" phantom t-shape t.png        # README's first try
