@@ -7,12 +7,12 @@
 #include <tbb/parallel_reduce.h>
 
 #include "lib/body/nearest_point.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 /// What rounding may take: shift, turn and present offset half a unit each.
 constexpr double kRoundingVoxels = 2.0 / kFixedOne;
 constexpr double kConvergedVoxels = 1e-6;
@@ -83,7 +83,8 @@ class MotionSearch {
       const double part = angle > kLongestTurn ? kLongestTurn / angle : 1;
       m_motion.shift_lps_mm += step.shift * part;
       if (angle > 0) {
-        m_motion.turn = (turn_about(step.turn, angle * part / kDegree) * m_motion.turn).unit();
+        m_motion.turn =
+            (turn_about(step.turn, angle * part / kRadiansPerDegree) * m_motion.turn).unit();
       }
       if (step.shift.length() + angle * m_radius_mm < kConvergedVoxels * m_voxel_mm) break;
     }

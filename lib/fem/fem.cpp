@@ -13,6 +13,7 @@
 #include "lib/fem/multigrid.h"
 #include "lib/fem/newton.h"
 #include "lib/fem/stiffness_system.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
@@ -32,9 +33,6 @@ struct FemModel::Parts {
 };
 
 namespace {
-
-constexpr double kNPerMn = 1e-3;
-constexpr double kMjPerUj = 1e-3;
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 #include "volumes/grid/brick_index.h"
 
 namespace supple {
@@ -10,7 +11,6 @@ namespace supple {
 namespace {
 
 /// mN per N; and (kg/m^3) (m/s^2) mm^3 in mN.
-constexpr double kMnPerN = 1e3;
 constexpr double kWeightMn = 1e-6;
 
 template <class Visit>

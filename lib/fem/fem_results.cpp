@@ -11,13 +11,11 @@
 #include "lib/fem/finite_strain.h"
 #include "lib/fem/small_matrix.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kNewtonPerMn = 1e-3;
-constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 double trace(const SymmetricTensor& t) {
   return t[0] + t[1] + t[2];
@@ -36,7 +34,7 @@ std::array<double, 3> eigenvalues(const SymmetricTensor& t) {
       a * (b * c - t[4] * t[4]) - t[3] * (t[3] * c - t[4] * t[5]) + t[5] * (t[3] * t[4] - b * t[5]);
   const double angle = std::acos(std::clamp(determinant / (2 * p * p * p), -1.0, 1.0)) / 3;
   const double largest = mean + 2 * p * std::cos(angle);
-  const double smallest = mean + 2 * p * std::cos(angle + 2 * 3.14159265358979323846 / 3);
+  const double smallest = mean + 2 * p * std::cos(angle + 2 * kPi / 3);
   return {largest, 3 * mean - largest - smallest, smallest};
 }
 
@@ -199,7 +197,7 @@ LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& materia
       const ElementState state = element_state(voxels, material, u_mm, e, theory);
       const std::array<double, 3> principal = eigenvalues(state.strain);
       LargestMotion own;
-      own.rotation_deg = state.rotation_rad.length() * kDegrees;
+      own.rotation_deg = state.rotation_rad.length() * kDegreesPerRadian;
       own.strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
       own.beyond = own.rotation_deg > limits.rotation_deg || own.strain > limits.strain;
       if (own.rotation_deg > sum.rotation_deg || own.strain > sum.strain) {
@@ -249,8 +247,7 @@ std::vector<FemReaction> reactions_of(const HexMesh& mesh, const NodalLoads& loa
       Vec3d force(0);
       for (int a = 0; a < 3; ++a) {
         if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
-        force[a] =
-            r[3 * std::size_t(nodes[n]) + std::size_t(a)] * loads.share(held, n) * kNewtonPerMn;
+        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * loads.share(held, n) * kNPerMn;
       }
       reaction.force_n += force;
       reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);

@@ -18,8 +18,6 @@
 
 namespace supple {
 
-constexpr double kJoulePerMillijoule = 1e-3;
-
 /// Who has a corner that several hold: the first of these; of each, rigid pieces before tissue.
 enum class GripKind { anchor, held, handle, edge };
 

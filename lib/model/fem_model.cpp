@@ -3,6 +3,7 @@
 #include "lib/fem/fem_results.h"
 #include "lib/model/held_corners.h"
 #include "lib/model/quasi_static.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
@@ -114,7 +115,7 @@ double VoxelFemModel::false_energy_mj() const {
 }
 
 ModelEnergy VoxelFemModel::energy() {
-  return {m_solution.report.energy_mj * kJoulePerMillijoule, 0, 0};
+  return {m_solution.report.energy_mj * kJPerMj, 0, 0};
 }
 
 std::vector<Reaction> VoxelFemModel::reactions(const std::vector<Handle>& handles) {

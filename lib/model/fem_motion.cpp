@@ -4,6 +4,7 @@
 
 #include "lib/model/held_corners.h"
 #include "lib/model/quasi_static.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
@@ -101,7 +102,7 @@ bool VoxelFemMotion::step(const Progress* progress) {
 
 ModelEnergy VoxelFemMotion::energy() {
   const MotionEnergy energy = m_newmark->energy();
-  return {energy.elastic_mj * kJoulePerMillijoule, energy.kinetic_mj * kJoulePerMillijoule, 0};
+  return {energy.elastic_mj * kJPerMj, energy.kinetic_mj * kJPerMj, 0};
 }
 
 std::vector<Reaction> VoxelFemMotion::reactions(const std::vector<Handle>& handles) {

@@ -5,10 +5,9 @@
 
 #include "lib/model/held_body.h"
 #include "lib/relax/reaction.h"
+#include "volumes/base/units.h"
 
 namespace supple {
-
-constexpr double kJoulePerMicrojoule = 1e-6;
 
 /// In the order of the handles. Throws InputError for one without element.
 std::vector<SlotSet> elements_of_handles(const Body& body, const std::vector<Handle>& handles);

@@ -4,6 +4,7 @@
 
 #include "lib/model/quasi_static.h"
 #include "lib/relax/plastic_flow.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
@@ -104,7 +105,7 @@ bool RelaxModel::forces_agree() {
 }
 
 ModelEnergy RelaxModel::energy() {
-  return {m_relaxation->energy() * kJoulePerMicrojoule, 0, 0};
+  return {m_relaxation->energy() * kJPerUj, 0, 0};
 }
 
 std::vector<Reaction> RelaxModel::reactions(const std::vector<Handle>& handles) {

@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kNewtonPerMillinewton = 1e-3;
 
 void check_finite(const char* field, const Vec3d& vector) {
   for (int c = 0; c < 3; ++c) {
@@ -132,7 +131,7 @@ std::vector<Reaction> SpringMotion::reactions(const std::vector<std::vector<int>
     std::vector<Vec3d> force_mn;
     forces_mn(m_system, force_mn, Damping::without);
     for (const HeldNode& held : m_system.held) {
-      on_node[std::size_t(held.node)] = force_mn[std::size_t(held.node)] * kNewtonPerMillinewton;
+      on_node[std::size_t(held.node)] = force_mn[std::size_t(held.node)] * kNPerMn;
     }
   }
   std::vector<Reaction> sums(sets.size());

@@ -3,6 +3,7 @@
 #include "lib/model/quasi_static.h"
 #include "lib/relax/relaxation.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
@@ -51,7 +52,7 @@ ModelEnergy VoxelEcmModel::energy() {
   RelaxParams params;
   params.method = RelaxMethod::jacobi;
   Relaxation springs(m_held.body, none, m_held.holds, params);
-  return {springs.energy() * kJoulePerMicrojoule, 0, 0};
+  return {springs.energy() * kJPerUj, 0, 0};
 }
 
 std::vector<Reaction> VoxelEcmModel::reactions(const std::vector<Handle>& handles) {

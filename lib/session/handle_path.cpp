@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "volumes/base/units.h"
+
 namespace supple {
 
 namespace {
@@ -11,7 +13,6 @@ namespace {
 constexpr double kMostStrayVoxels = 0.25;
 /// Voxels from the point of a turn or scale at which its way counts.
 constexpr double kReachVoxels = 100;
-constexpr double kDegree = 3.14159265358979323846 / 180;
 /// Between two keys there are no more than 2^12 poses.
 constexpr int kMostHalvings = 12;
 
@@ -65,7 +66,7 @@ class JointPath {
     for (const PosePath& path : m_paths) {
       const PathPose pose = path.at(time);
       const Vec3d shift = pose.shift_mm / m_spacing_mm;
-      const Vec3d turn = pose.axis * (pose.angle_deg * kDegree * kReachVoxels);
+      const Vec3d turn = pose.axis * (pose.angle_deg * kRadiansPerDegree * kReachVoxels);
       for (const Vec3d& part : {shift, turn, pose.scale * kReachVoxels}) {
         for (int c = 0; c < 3; ++c) place.push_back(part[c]);
       }

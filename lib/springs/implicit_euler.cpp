@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "lib/springs/units.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 

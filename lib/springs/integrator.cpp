@@ -4,14 +4,9 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
-
-namespace {
-
-constexpr double kNewtonPerMillinewton = 1e-3;
-
-}  // namespace
 
 SpringStepReport& SpringStepReport::operator+=(const SpringStepReport& next) {
   substeps += next.substeps;
@@ -46,7 +41,7 @@ SpringStepReport SpringIntegrator::step(double dt_s, const Progress* progress) {
   for (std::size_t n = 0; n < m_system.held.size(); ++n) {
     const int node = m_system.held[n].node;
     const Vec3d change = m_held_velocity[n] - m_system.velocity_mm_s[node];
-    m_reactions_n[n] = change * (-m_system.mass_kg[node] / dt_s * kNewtonPerMillinewton);
+    m_reactions_n[n] = change * (-m_system.mass_kg[node] / dt_s * kNPerMn);
   }
   m_first_pos = m_system.pos_mm;
   m_first_velocity = m_system.velocity_mm_s;
@@ -82,7 +77,7 @@ void SpringIntegrator::place_held(double part) {
 
 void SpringIntegrator::add_reactions(const std::vector<Vec3d>& force, double weight) {
   for (std::size_t n = 0; n < m_system.held.size(); ++n) {
-    m_reactions_n[n] += force[m_system.held[n].node] * (weight * kNewtonPerMillinewton);
+    m_reactions_n[n] += force[m_system.held[n].node] * (weight * kNPerMn);
   }
 }
 

@@ -5,14 +5,12 @@
 #include <string>
 
 #include "lib/body/node_offsets.h"
-#include "lib/springs/units.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kSecondsPerMs = 1e-3;
 
 Vec3d position_of(const Body& body, Slot slot) {
   const Vec3i voxel = voxel_of(body.elements, slot);
@@ -168,8 +166,6 @@ void LatticeSpringParams::validate() const {
 // 2 C_1212, for k1 = k2 = k: then both of Lame's constants are k / h, so that E = 5/2 k / h and
 // Poisson's ratio is 1/4.
 LatticeSpringParams material_springs(const Body& body) {
-  constexpr double kPaPerKpa = 1e3;
-  constexpr double kMPerMm = 1e-3;
   LatticeSpringParams params;
   const double h_m = std::cbrt(std::abs(body.geometry.determinant())) * kMPerMm;
   params.structural_n_m = params.shear_n_m = 0.4 * kPaPerKpa * h_m;
@@ -180,7 +176,7 @@ LatticeSpringParams material_springs(const Body& body) {
     const LinkPhysics physics = classes.physics(c, c);
     params.class_stiffness.push_back(physics.stiffness_kpa);
     params.class_density.push_back(classes.mass_density_of_class(c));
-    params.class_damping_s.push_back(physics.rayleigh_beta_ms * kSecondsPerMs);
+    params.class_damping_s.push_back(physics.rayleigh_beta_ms * kSPerMs);
   }
   return params;
 }

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "lib/springs/spring_matrix.h"
-#include "lib/springs/units.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 

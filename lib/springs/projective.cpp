@@ -6,8 +6,8 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
-#include "lib/springs/units.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 

@@ -4,14 +4,12 @@
 #include <cmath>
 #include <string>
 
-#include "lib/springs/units.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kJoulePerMicrojoule = 1e-6;  // mN mm
 
 [[noreturn]] void fail(const std::string& field, const std::string& found,
                        const std::string& expected) {
@@ -123,8 +121,7 @@ SpringEnergy energy(const SpringSystem& system) {
     spring += 0.5 * s.stiffness_n_m * stretch * stretch;
   }
   spring += system.barrier.energy_uj(system.pos_mm);
-  return {kinetic * kJoulePerMicrojoule, spring * kJoulePerMicrojoule,
-          gravity * kJoulePerMicrojoule};
+  return {kinetic * kJPerUj, spring * kJPerUj, gravity * kJPerUj};
 }
 
 int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping damping,

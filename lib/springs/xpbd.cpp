@@ -5,8 +5,8 @@
 #include <string>
 
 #include "lib/springs/stability.h"
-#include "lib/springs/units.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 

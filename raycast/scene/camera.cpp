@@ -4,12 +4,11 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 struct NamedView {
   const char* name;

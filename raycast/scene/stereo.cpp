@@ -5,12 +5,11 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kHalfTurn = 3.14159265358979323846;
 
 /// Of the distance to the target; 1 to 2 degrees of disparity are comfortable.
 constexpr double kSeparationShare = 1.0 / 30;
@@ -26,7 +25,7 @@ constexpr Matrix kRightEye = {{{-0.0434706f, -0.0879388f, -0.00155529f},
 Camera eye(const Camera& camera, double to_the_right_mm) {
   const Vec3d aside = camera_frame(camera).right * to_the_right_mm;
   const double distance = (camera.target_lps_mm - camera.position_lps_mm).length();
-  const double half_height = distance * std::tan(camera.vertical_fov_degrees * kHalfTurn / 360);
+  const double half_height = distance * std::tan(camera.vertical_fov_degrees * kPi / 360);
   Camera moved = camera;
   moved.position_lps_mm += aside;
   moved.target_lps_mm += aside;

@@ -11,10 +11,9 @@
 #include "lib/fem/dynamics/mass.h"
 #include "lib/fem/fem.h"
 #include "tests/lib/test_bodies.h"
+#include "volumes/base/units.h"
 
 namespace supple::test {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// A block of n^3 voxels of so many mm along each axis.
 Body fem_cube(int n, double spacing_mm = 1);

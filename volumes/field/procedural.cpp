@@ -4,11 +4,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include "volumes/base/units.h"
+
 namespace supple {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// 1 at 0, 0 from `radius` on, with a continuous first derivative.
 double raised_cosine(double distance, double radius) {

@@ -2,11 +2,11 @@
 
 #include <cmath>
 
+#include "volumes/base/units.h"
+
 namespace supple {
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 double dot(const Turn& a, const Turn& b) {
   return a.w * b.w + a.v.dot(b.v);

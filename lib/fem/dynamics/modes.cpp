@@ -10,6 +10,7 @@
 #include "lib/fem/dynamics/rigid_motions.h"
 #include "lib/fem/loose_islands.h"
 #include "lib/fem/stiffness_system.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
@@ -21,7 +22,6 @@ constexpr double kSolveTolerance = 1e-9;
 /// the square.
 constexpr double kLanczosTolerance = 1e-9, kCheckTolerance = 1e-3;
 constexpr int kMaxRestarts = 300;
-constexpr double kPi = 3.14159265358979323846;
 constexpr Eigen::Index kLeastVectors = 20, kCheckVectors = 10;
 /// Modes closer than this are alike.
 constexpr double kAlike = 1e-6;

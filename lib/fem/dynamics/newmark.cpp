@@ -5,13 +5,13 @@
 
 #include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/stiffness_system.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
 
-constexpr double kMjPerUj = 1e-3;
-constexpr double kWholeTurn = 2 * 3.14159265358979323846;
+constexpr double kWholeTurn = 2 * kPi;
 /// Reactions do not count beside the residual.
 constexpr double kAnyChange = 1e300;
 /// Of the forces that the first acceleration leaves.

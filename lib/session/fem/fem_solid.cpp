@@ -5,12 +5,11 @@
 #include <tuple>
 
 #include "lib/model/fem_model.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
-
-constexpr double kSecondsPerMillisecond = 1e-3;
 
 using ClassSet = std::array<bool, kLastClass + 1>;
 
@@ -63,8 +62,7 @@ FemSolid fem_solid(const Body& body, const LinkCuts& cuts, std::optional<double>
   const MaterialClasses classes(body.material);
   for (int c = 0; c <= kLastClass; ++c) {
     solid.mass_density[std::size_t(c)] = classes.mass_density_of_class(c);
-    solid.damping_s[std::size_t(c)] =
-        classes.physics(c, c).rayleigh_beta_ms * kSecondsPerMillisecond;
+    solid.damping_s[std::size_t(c)] = classes.physics(c, c).rayleigh_beta_ms * kSPerMs;
   }
   if (body.rigid.empty()) return solid;
   solid.body = body;

@@ -7,6 +7,7 @@
 
 #include "tools/scene/pictures/video.h"
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple::tools {
 
@@ -69,7 +70,7 @@ bool has_frame_number(const std::string& name) {
 }
 
 double PictureOptions::fraction_at(int n) const {
-  constexpr double kTurn = 2 * 3.14159265358979323846;
+  constexpr double kTurn = 2 * kPi;
   if (sequence == 0) return 1;
   return swing ? std::sin(kTurn * n / sequence) : double(n) / (sequence - 1);
 }

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "volumes/base/units.h"
 #include "volumes/base/vec.h"
 
 namespace supple {
@@ -21,7 +22,5 @@ Vec3d unit_across(const std::string& field, const Vec3d& v, const Vec3d& axis,
 /// v turned about a unit axis by an angle in radians, right-handed.
 Vec3d rotated(const Vec3d& v, const Vec3d& axis, double angle);
 std::string vector_text(const Vec3d& v);
-
-constexpr double kRadiansPerDegree = 3.14159265358979323846 / 180;
 
 }  // namespace supple

@@ -4,6 +4,7 @@
 
 #include "lib/springs/mesh_springs.h"
 #include "lib/springs/minimise.h"
+#include "volumes/base/units.h"
 
 namespace supple::tools {
 
@@ -43,8 +44,8 @@ SpringSystem flat_membrane(double stiffness_n_m) {
 SpringSystem plucked_membrane(double stiffness_n_m) {
   SpringSystem system = flat_membrane(stiffness_n_m);
   for (Vec3d& p : system.pos_mm) {
-    p.z = kBumpMm * std::sin(M_PI * p.x / (kMembraneColumns - 1)) *
-          std::sin(M_PI * p.y / (kMembraneRows - 1));
+    p.z = kBumpMm * std::sin(kPi * p.x / (kMembraneColumns - 1)) *
+          std::sin(kPi * p.y / (kMembraneRows - 1));
   }
   for (HeldNode& held : system.held) system.pos_mm[held.node] = held.target_mm;
   return system;
@@ -61,7 +62,7 @@ Forceps::Forceps(SpringSystem& system) {
 }
 
 void Forceps::move(SpringSystem& system, int frame) const {
-  const double height_mm = kPullMm * std::sin(2 * M_PI * kFrameS * (frame + 1));
+  const double height_mm = kPullMm * std::sin(2 * kPi * kFrameS * (frame + 1));
   for (const HeldNode& rest : m_rest) {
     drive(system, rest.node, rest.target_mm + Vec3d(0, 0, height_mm));
   }

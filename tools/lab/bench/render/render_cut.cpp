@@ -8,6 +8,7 @@
 #include "raycast/render.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
+#include "volumes/base/units.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/procedural.h"
 
@@ -87,7 +88,7 @@ Camera camera_of(const CutHead& head) {
   camera.target_lps_mm = head.geometry.world_from_index(head.middle);
   camera.position_lps_mm = camera.target_lps_mm - towards;
   const double half_mm = 1.25 * head.reach * head.geometry.spacing_mm().z;
-  camera.vertical_fov_degrees = 2 * std::atan(half_mm / towards.length()) * 180 / M_PI;
+  camera.vertical_fov_degrees = 2 * std::atan(half_mm / towards.length()) * 180 / kPi;
   return camera;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 #include "volumes/io/dicom/plugin/phase_order.h"
 #include "volumes/io/format/formats.h"
 
@@ -147,7 +148,7 @@ class StackBuilder {
       m_stack.step = m_normal * (along / double(m_numbers.back()));
       return;
     }
-    const double degrees = std::atan2(aside.length(), along) * 180 / M_PI;
+    const double degrees = std::atan2(aside.length(), along) * 180 / kPi;
     m_stack.warnings.push_back("gantry tilt of " + number_text(degrees) +
                                " degrees: the axes are sheared");
   }
