@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "raycast/march/march_pixels.h"
+#include "volumes/base/stopwatch.h"
 #include "volumes/field/split_offsets.h"
 
 namespace supple {
@@ -11,9 +12,6 @@ namespace supple {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double ms_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 SourceBricks make_source(const Geometry& geometry, const DensityGrid& density, int rings,
                          Interpolation interpolation) {

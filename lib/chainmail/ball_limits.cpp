@@ -9,6 +9,7 @@
 #include "lib/chainmail/ball_links.h"
 #include "lib/chainmail/held_voxels.h"
 #include "volumes/base/error.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple {
 
@@ -361,8 +362,7 @@ BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
   drag.commit();
   holds = std::move(next);
   BallReport result = drag.finish();
-  result.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  result.milliseconds = ms_since(begin);
   return result;
 }
 

@@ -14,6 +14,7 @@
 #include "lib/chainmail/coordinate_drag.h"
 #include "lib/chainmail/held_voxels.h"
 #include "lib/chainmail/piece_bounds.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple {
 
@@ -327,8 +328,7 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
   for (UndoLog& undo : m_undo) undo.clear(kept_undo_bricks(m_body));
   guard.dismiss();
   holds = std::move(next);
-  result.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  result.milliseconds = ms_since(begin);
   return result;
 }
 

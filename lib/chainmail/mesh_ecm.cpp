@@ -9,6 +9,7 @@
 #include "lib/chainmail/mesh_drag.h"
 #include "lib/chainmail/node_owners.h"
 #include "volumes/base/error.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple {
 
@@ -237,8 +238,7 @@ MeshEcmReport MeshEcm::drag(const std::vector<MeshHandle>& handles,
   }
   give_positions(is_new);
   for (MeshValues& values : m_values) values.forget();
-  result.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  result.milliseconds = ms_since(begin);
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "lib/chainmail/projection.h"
 #include "volumes/base/error.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple {
 
@@ -229,8 +230,7 @@ TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds&
   Tightening tightening(body, anchored, held, params, progress);
   tightening.run(result);
   result.moved = tightening.commit();
-  result.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  result.milliseconds = ms_since(begin);
   return result;
 }
 

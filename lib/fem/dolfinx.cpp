@@ -12,6 +12,7 @@
 #include "lib/fem/dolfinx_solve.h"
 #include "volumes/base/run_program.h"
 #include "volumes/base/scratch_folder.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple {
 
@@ -78,9 +79,7 @@ bool DolfinxSolver::run(Progress* progress) {
   const auto begin = std::chrono::steady_clock::now();
   const ProgramEnd end = run_program("env", command_of(python, processes), "", {}, [&, progress] {
     if (m_start_ms == 0 && std::filesystem::exists(folder / "started")) {
-      const std::chrono::duration<double, std::milli> passed =
-          std::chrono::steady_clock::now() - begin;
-      m_start_ms = passed.count();
+      m_start_ms = ms_since(begin);
       stage(progress, "solving");
     }
     return progress != nullptr && progress->cancelled();

@@ -13,6 +13,7 @@
 #include "lib/fem/multigrid.h"
 #include "lib/fem/newton.h"
 #include "lib/fem/stiffness_system.h"
+#include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -33,11 +34,6 @@ struct FemModel::Parts {
 };
 
 namespace {
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - start;
-  return passed.count();
-}
 
 void require(bool holds, const char* field, double found, const char* expected) {
   if (!holds) throw InputError({"", field, number_text(found), expected});
@@ -237,7 +233,7 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Prog
     nodal.within_held_mn = forces_within_held(mesh(), material(), nodal);
     if (start_mm != nullptr) begin_from(*start_mm, nodal);
   }
-  report.setup_ms = milliseconds_since(start);
+  report.setup_ms = ms_since(start);
   if (params.solver != EquationSolver::multigrid) {
     solve_by_peer(nodal, params, progress, out);
   } else if (params.doublings > 0) {
@@ -256,7 +252,7 @@ void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress
   const auto start = std::chrono::steady_clock::now();
   Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), loads.held, {}, progress);
   report.levels = multigrid.level_count();
-  report.setup_ms += milliseconds_since(start);
+  report.setup_ms += ms_since(start);
 
   stage(progress, "solving");
   StiffnessSystem system(m_parts->stiffness, multigrid);
@@ -302,7 +298,7 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
   report.nodes = coarse.node_count();
   report.unknowns = 3 * report.nodes;
   report.levels = multigrid.level_count() - params.doublings;
-  report.setup_ms += milliseconds_since(start);
+  report.setup_ms += ms_since(start);
 
   stage(progress, "solving");
   CoarseElements solver(stiffness(), multigrid, params.doublings, loads,
@@ -332,7 +328,7 @@ void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemPara
   const bool converged = run_told(solver, progress);
   report.iterations = solver.iterations();
   note(solver.size(), report);
-  report.solve_ms = milliseconds_since(start);
+  report.solve_ms = ms_since(start);
   if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   out.reactions = reactions_of(mesh(), loads, solver.residual());
@@ -348,7 +344,7 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), loads.held, {}, progress);
   const FiniteStrain strain(mesh(), material(), loads.swelling_kpa);
   report.levels = multigrid.level_count();
-  report.setup_ms += milliseconds_since(start);
+  report.setup_ms += ms_since(start);
 
   stage(progress, "solving");
   const auto solve_start = std::chrono::steady_clock::now();
@@ -362,7 +358,7 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   report.iterations = solver.report().cg_iterations;
   note(solver.size(), report);
   report.bytes = m_parts->bytes() + multigrid.bytes() + strain.bytes() + solver.bytes();
-  report.solve_ms = milliseconds_since(solve_start);
+  report.solve_ms = ms_since(solve_start);
   if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   report.energy_mj = solver.report().energy_uj * kMjPerUj;

@@ -4,6 +4,7 @@
 
 #include "lib/model/quasi_static.h"
 #include "lib/relax/plastic_flow.h"
+#include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -128,8 +129,7 @@ RelaxReport RelaxModel::report() {
   m_report.energy_after = m_energy_before_flow ? *m_energy_before_flow : m_relaxation->energy();
   if (m_report.passes == 0) m_report.energy_before = m_report.energy_after;
   if (m_report.volumes_before) m_report.volumes_after = cell_volumes(m_held.body);
-  m_report.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - m_begin).count();
+  m_report.milliseconds = ms_since(m_begin);
   return m_report;
 }
 

@@ -12,6 +12,7 @@
 #include "lib/session/free_poses.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step_warnings.h"
+#include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -22,11 +23,6 @@ namespace {
 constexpr double kFacingCosine = 0.5;
 /// So often free pieces that would enter others are held, and the rest is solved.
 constexpr int kMostSolutions = 5;
-
-double milliseconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
 
 FemLoads loads_of(const FemStep& step, const FemTask& task, const FemSolid& solid) {
   FemLoads loads;
@@ -292,7 +288,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
     }
     find_modes(step, task, solid, record, progress);
     show_mode(step.modes->shape, record, body);
-    record.milliseconds = milliseconds_since(begin);
+    record.milliseconds = ms_since(begin);
     warn_of_result(step, record, progress);
     return record;
   }
@@ -312,7 +308,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
     stage(progress, "keeping links beyond limits");
     keep_beyond(body, anchored_elements(body, task.held.anchors, task.held.holds), {});
   }
-  record.milliseconds = milliseconds_since(begin);
+  record.milliseconds = ms_since(begin);
   warn_of_result(step, record, progress);
   return record;
 }

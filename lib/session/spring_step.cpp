@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -68,8 +69,7 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
   record.links = check_links(held.body);
   held.body.links_known_valid = record.links.violated == 0;
   held.body.beyond.reset();
-  record.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  record.milliseconds = ms_since(begin);
   warn_of_result(step, record, progress);
   return record;
 }

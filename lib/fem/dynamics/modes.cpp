@@ -10,6 +10,7 @@
 #include "lib/fem/dynamics/rigid_motions.h"
 #include "lib/fem/loose_islands.h"
 #include "lib/fem/stiffness_system.h"
+#include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -373,8 +374,7 @@ VibrationModes lowest_modes(const FemModel& model, const MassDensities& density,
   report.orthogonality = largest_overlap(vibration, out.modes);
   report.bytes += model.bytes() + vibration.mass_matrix.bytes() + vibration.multigrid->bytes() +
                   (vibration.rigid ? vibration.rigid->bytes() : 0);
-  report.milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  report.milliseconds = ms_since(begin);
   return out;
 }
 

@@ -10,7 +10,7 @@
 #include "tools/scene/live/event_mailbox.h"
 #include "tools/scene/live/live_picture.h"
 #include "tools/scene/live/live_session.h"
-#include "tools/scene/live/stopwatch.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple::tools {
 

@@ -10,6 +10,8 @@
 #include "tools/scene/run/element_volumes.h"
 #include "tools/scene/run/film_record.h"
 #include "tools/scene/run/output_plan.h"
+#include "volumes/base/stopwatch.h"
+#include "volumes/base/units.h"
 #include "volumes/grid/brick_topology.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
@@ -100,7 +102,7 @@ SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_rea
   for (const std::string& line : scene.warnings) progress.warn(line);
   const auto begin = std::chrono::steady_clock::now();
   open();
-  m_open_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  m_open_s = ms_since(begin) * kSPerMs;
   check_places(scene, m_state.geometry);
 }
 

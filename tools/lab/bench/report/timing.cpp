@@ -6,6 +6,8 @@
 #include <ctime>
 #include <numeric>
 
+#include "volumes/base/stopwatch.h"
+
 namespace supple::tools {
 
 double Times::quantile(double part) const {
@@ -27,8 +29,7 @@ double Times::max() const {
 double time_ms(const std::function<void()>& action) {
   const auto begin = std::chrono::steady_clock::now();
   action();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
-      .count();
+  return ms_since(begin);
 }
 
 double cpu_time_ms(const std::function<void()>& action) {

@@ -1,8 +1,8 @@
-#include "tools/scene/live/stopwatch.h"
+#include "volumes/base/stopwatch.h"
 
 #include <ctime>
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -26,4 +26,4 @@ double Stopwatch::cpu_ms() const {
   return process_cpu_ms() - m_cpu_ms;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-namespace supple::tools {
+namespace supple {
 
 double ms_since(std::chrono::steady_clock::time_point start);
 
@@ -38,4 +38,4 @@ class CostPer {
   bool m_is_measured = false;
 };
 
-}  // namespace supple::tools
+}  // namespace supple
