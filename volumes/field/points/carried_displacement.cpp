@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "volumes/field/inversion/source_cells.h"
 #include "volumes/grid/cell.h"
@@ -68,7 +69,8 @@ Vec3d CarriedDisplacement::at_node(const Vec3i& voxel) const {
     if (m_dims[a] > 1) border[a] = std::clamp(voxel[a], 0, m_dims[a] - 1);
   }
   const Vec3i out = voxel - border;
-  if (out == Vec3i(0) || out.dot(out) > 3) return m_smooth.at(voxel);
+  const int steps = std::max({std::abs(out.x), std::abs(out.y), std::abs(out.z)});
+  if (steps != 1) return m_smooth.at(voxel);
   Vec3d sum(0);
   for (int n = 0; n < kCellCorners; ++n) {
     const Vec3i inwards = cell_corner(n);
