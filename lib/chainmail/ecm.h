@@ -32,7 +32,7 @@ struct LastingBounds;
 /// where it is, and withdrawing it leaves the tissue where it was pushed to.
 enum class HandleKind { two_sided, push };
 
-/// Where a step of one voxel along each axis of the grid goes, in voxels.
+/// Images of steps of one voxel along the axes of the grid, in voxels.
 using GridSteps = std::array<Vec3d, 3>;
 inline const GridSteps kUnitSteps{Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)};
 
@@ -66,7 +66,7 @@ struct Handle {
   /// asks for its displacements: each element goes as far as anchors let it, and shortens the drag
   /// of no other.
   bool is_edge = false;
-  /// Of a handle that moves its elements by `each_by_q`; absent: nothing is known but these. A part
+  /// Motion behind `each_by_q`, of a handle that has it; absent: offsets alone are known. A part
   /// of the drag is that part of `after` - `before`.
   std::optional<StepMotion> steps = {};
 };

@@ -31,7 +31,7 @@ namespace supple {
 /// stop nothing.
 constexpr double kLipOverlap = 0.1;
 
-/// Where the points of both lips across each axis lay.
+/// Earlier places of the points of both lips across each axis.
 struct LipsBefore {
   static constexpr float kBeside = 1e9F;
   struct Side {

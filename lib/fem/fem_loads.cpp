@@ -282,7 +282,7 @@ std::size_t LoadPath::bytes() const {
 Vec3d LoadPath::Grip::at(double part, const RigidMotion& on_the_way, std::size_t n) const {
   const Vec3d &rest = rest_mm[n], &end = end_mm[n];
   if (part == 1 || !is_rigid) return end * part;
-  // What the rigid motion leaves over grows in proportion, and turns with it.
+  // The rest beside the rigid motion grows in proportion, and turns with it.
   const Vec3d left = motion.turn.inverse()(rest + end - motion(rest));
   return on_the_way(rest) + on_the_way.turn(left * part) - rest;
 }
@@ -297,7 +297,7 @@ void LoadPath::prescribe(double part, std::vector<double>& u_mm) const {
       if (share(grip, n) < 1) u[0] = u[1] = u[2] = 0;
     }
   }
-  // Of nodes that several hold, where each would have them on its way, in the mean.
+  // Nodes that several hold go to the mean of where each would have them on its way.
   for (const Grip& grip : m_grips) {
     const RigidMotion on_the_way = grip.motion.part(part);
     for (std::size_t n = 0; n < grip.nodes->size(); ++n) {

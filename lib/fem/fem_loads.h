@@ -83,7 +83,7 @@ struct NodalLoads {
   std::vector<double> force_mn;                  // empty where no force acts
   std::vector<double> swelling_kpa;              // per element; linear theory has forces for it
   std::vector<std::vector<NodeIndex>> nodes_of;  // per HeldElements: the nodes that it holds
-  /// Of the force on each of these; empty: the whole of all.
+  /// Shares of the forces on these; empty: the whole of all.
   std::vector<std::vector<double>> shares_of;
   /// Forces on nodes by elements that are held as a whole, three per node; empty where these have
   /// none. No unknown changes them, and they may be far above all that is solved for: bone beside a

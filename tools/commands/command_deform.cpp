@@ -11,6 +11,7 @@
 #include "tools/console/field_options.h"
 #include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
+#include "tools/console/result_lines.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/planned_run.h"
 #include "tools/scene/run/reports.h"

@@ -1,9 +1,9 @@
 // supple export: the deformation of a state as a warp file that other programs read.
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/result_lines.h"
 #include "tools/scene/file/offset_functions.h"
 #include "tools/scene/run/output_plan.h"
-#include "tools/scene/run/reports.h"
 #include "volumes/state/state_outputs.h"
 
 namespace supple::tools {

@@ -5,8 +5,8 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/result_lines.h"
 #include "tools/scene/run/output_plan.h"
-#include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/field/dense/invert_warp.h"
 #include "volumes/io/warp_file.h"

@@ -2,10 +2,10 @@
 // with other voxel sizes or on another grid.
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/result_lines.h"
 #include "tools/scene/file/offset_functions.h"
 #include "tools/scene/run/converted.h"
 #include "tools/scene/run/output_plan.h"
-#include "tools/scene/run/reports.h"
 #include "volumes/io/filter/on_grid.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/state/state_outputs.h"

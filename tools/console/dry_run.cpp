@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/console/command.h"
+#include "tools/console/result_lines.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/plan_text.h"
 #include "tools/scene/plan/planned_run.h"

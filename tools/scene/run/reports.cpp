@@ -1,7 +1,5 @@
 #include "tools/scene/run/reports.h"
 
-#include <cstdio>
-
 #include <nlohmann/json.hpp>
 
 namespace supple::tools {
@@ -276,26 +274,6 @@ nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
 
 }  // namespace
 
-void print_places(const std::vector<HandlePlace>& places) {
-  for (const HandlePlace& place : places) {
-    const Vec3d& voxel = place.centre_index;
-    const Vec3d& lps = place.centre_lps_mm;
-    std::printf("grab %-10s %lld %s voxel %.4g,%.4g,%.4g, LPS %.4g, %.4g, %.4g mm, density %.4g",
-                place.name.c_str(), static_cast<long long>(place.elements),
-                place.elements == 1 ? "element at" : "elements around", voxel.x, voxel.y, voxel.z,
-                lps.x, lps.y, lps.z, double(place.least_density));
-    if (place.largest_density > place.least_density) {
-      std::printf(" to %.4g", double(place.largest_density));
-    }
-    std::string labels;
-    for (const std::int32_t label : place.labels) {
-      labels += (labels.empty() ? ", label " : ", ") +
-                (label == 0 ? std::string("none") : std::to_string(label));
-    }
-    std::printf("%s\n", labels.c_str());
-  }
-}
-
 nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
   for (const HandlePlace& place : places) {
@@ -307,17 +285,6 @@ nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places) {
                     {"labels", place.labels}});
   }
   return json;
-}
-
-void print_reactions(const std::vector<HandleReaction>& reactions) {
-  for (const HandleReaction& held : reactions) {
-    const Vec3d& n = held.reaction.force_n;
-    const auto& taut = held.reaction.taut;
-    std::printf("pull at %-15s %.4g, %.4g, %.4g N (LPS)%s\n", held.name.c_str(), n.x, n.y, n.z,
-                taut[0] || taut[1] || taut[2] ? ", or more: links at their limits join it to "
-                                                "something else that is held"
-                                              : "");
-  }
 }
 
 nlohmann::ordered_json to_json(const RigidPieces& pieces) {
@@ -391,16 +358,6 @@ nlohmann::ordered_json to_json(const RenderReport& report) {
           {"prepare_ms", report.prepare_ms},
           {"march_ms", report.march_ms},
           {"bytes", report.bytes}};
-}
-
-void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
-                        const InversionCertificate& certificate) {
-  const Vec3i& dims = grid.dims();
-  const nlohmann::ordered_json json = {{"output", path},
-                                       {"dims", {dims.x, dims.y, dims.z}},
-                                       {"lost_voxels", lost_voxels},
-                                       {"certificate", to_json(certificate)}};
-  std::printf("%s\n", json.dump(2).c_str());
 }
 
 }  // namespace supple::tools

@@ -1,7 +1,6 @@
-// Reports of commands: JSON, and lines for people.
+// Reports of commands as JSON.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,15 +17,7 @@ nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links)
 /// Name, elements, turn and shift of each.
 nlohmann::ordered_json to_json(const RigidPieces& pieces);
 nlohmann::ordered_json to_json(const StepRecord& record);
-/// One line per handle on stdout: voxel, LPS, density and label.
-void print_places(const std::vector<HandlePlace>& places);
 nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places);
-/// One line per handle on stdout.
-void print_reactions(const std::vector<HandleReaction>& reactions);
 nlohmann::ordered_json to_json(const RenderReport& report);
-
-/// The report of `export` and `resample` with --json.
-void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
-                        const InversionCertificate& certificate);
 
 }  // namespace supple::tools
