@@ -1,5 +1,5 @@
-// Plugins of the program: found beside it or in ../lib/supple, refused in one line where they are
-// missing or not of its build, and not loaded before they are needed.
+// Plugins of the program: found beside it or in the folder of libraries, refused in one line where
+// they are missing or not of its build, and not loaded before they are needed.
 #include <cstdlib>
 #include <ostream>
 
@@ -37,7 +37,7 @@ class UnitPlugins : public ::testing::TestWithParam<PluginCase> {
  protected:
   UnitPlugins() {
     fs::create_directories(m_folder / "bin");
-    fs::create_directories(m_folder / "lib/supple");
+    fs::create_directories(m_libraries);
     std::error_code other_disk;
     fs::create_hard_link(m_built, m_program, other_disk);
     if (other_disk) fs::copy_file(m_built, m_program);
@@ -58,6 +58,7 @@ class UnitPlugins : public ::testing::TestWithParam<PluginCase> {
   bool is_built() const { return fs::exists(built_plugin()); }
 
   TemporaryFolder m_folder;
+  fs::path m_libraries = m_folder / SUPPLE_LIBDIR "/supple";
   std::vector<std::string> m_inputs;
   fs::path m_built = std::getenv("SUPPLE_BINARY");
   std::string m_program = m_folder / "bin/supple";
@@ -100,9 +101,9 @@ TEST_P(UnitPlugins, OneThatIsNoneOfThisBuildIsRefused) {
   EXPECT_EQ(damaged.err.find('\n'), damaged.err.size() - 1) << damaged.err;
 }
 
-TEST_P(UnitPlugins, OneInLibSuppleIsFound) {
+TEST_P(UnitPlugins, OneInTheFolderOfLibrariesIsFound) {
   if (!is_built()) GTEST_SKIP() << GetParam().file << " is not built";
-  fs::copy_file(built_plugin(), m_folder / ("lib/supple/" + GetParam().file));
+  fs::copy_file(built_plugin(), m_libraries / GetParam().file);
   const Outcome outcome = run(GetParam().arguments);
   // The files of HDF5 and DICOM are mere signatures.
   EXPECT_NE(outcome.exit_code, 4) << outcome.err;
