@@ -40,16 +40,16 @@ if(SUPPLE_LEVELS)
                  -DCMAKE_SHARED_LINKER_FLAGS=-s -DSUPPLE_NATIVE=OFF
                  -DSUPPLE_LEVEL=${level} -DSUPPLE_TESTS=OFF -DSUPPLE_BENCH=OFF
       BUILD_COMMAND ${CMAKE_COMMAND} --build ${folder} --target supple_library
-      DEPENDS supple_library supple ${plugins})  # each build takes all processors
+      DEPENDS supple_library supple supple-lab ${plugins})  # each build takes all processors
     set(soname libsupple.so.${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
     install(FILES ${folder}/lib/libsupple.so.${PROJECT_VERSION} RENAME ${soname}
             DESTINATION ${CMAKE_INSTALL_LIBDIR}/glibc-hwcaps/${level})
   endforeach()
 endif()
 install(TARGETS ${plugins} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/supple)
-set_target_properties(supple supple-examples PROPERTIES
+set_target_properties(supple supple-lab supple-examples PROPERTIES
   INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
-install(TARGETS supple supple-examples RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS supple supple-lab supple-examples RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Pages with the scenes, materials and cameras that they name, without their pictures.
 install(FILES CHANGELOG.md README.md cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN "*.png" EXCLUDE)

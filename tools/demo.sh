@@ -29,12 +29,8 @@ fetch_volume() {
   build/release/bin/supple-examples phantom head build/data/ct_head.nhdr
 }
 
-# Benchmarks are a sixth of the program's compiling: a first build leaves them out.
-first_build=()
-[ -e build/release/CMakeCache.txt ] || first_build=(-DSUPPLE_BENCH=OFF)
-
 stage install supple_setup
-stage build build_preset release "$SUPPLE_PROGRAMS" "${first_build[@]}"
+stage build build_preset release "$SUPPLE_PROGRAMS"
 stage fetch fetch_volume
 mkdir -p out
 stage run build/release/bin/supple run docs/scenes/head_upper_jaw.toml -o out/head_upper_jaw --force

@@ -87,7 +87,7 @@ if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   cmake_options=(-DSUPPLE_BENCH=ON)
   if [ "${1:-}" = "--with-peers" ]; then
     if install_packages "${SUPPLE_PEERS[@]}"; then
-      SUPPLE_PROGRAMS+=" supple-itk-inverse supple-itk-warp"
+      SUPPLE_PROGRAMS+=" supple-lab supple-itk-inverse supple-itk-warp"
       cmake_options+=(-DSUPPLE_BENCH_ITK=ON)
     else
       say "benchmarks will leave out the rows that need them"

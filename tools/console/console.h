@@ -28,6 +28,7 @@ struct GlobalOptions {
   bool json = false;
   bool force = false;
   LogLevel log_level = LogLevel::info;
+  std::vector<std::string> arguments;  // all of the command line, from the program's name on
 };
 
 class Console final : public Progress {

@@ -1,18 +1,43 @@
 #include "volumes/base/own_process.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <system_error>
 
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "volumes/base/error.h"
+
 namespace supple {
 
 std::string own_program() {
   return std::filesystem::read_symlink("/proc/self/exe").string();
+}
+
+std::string program_beside(const std::string& name) {
+  const auto program = std::filesystem::path(own_program()).parent_path() / name;
+  return std::filesystem::exists(program) ? program.string() : "";
+}
+
+std::string require_program_beside(const std::string& name) {
+  const std::string program = program_beside(name);
+  if (!program.empty()) return program;
+  const auto folder = std::filesystem::path(own_program()).parent_path();
+  throw SystemError((folder / name).string() + ": this program is missing");
+}
+
+void become_program(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<char*> words;
+  for (const std::string& argument : arguments)
+    words.push_back(const_cast<char*>(argument.c_str()));
+  words.push_back(nullptr);
+  ::execv(program.c_str(), words.data());
+  throw SystemError(program + ": " + std::generic_category().message(errno));
 }
 
 namespace {

@@ -2,11 +2,20 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace supple {
 
 /// The file of the program that is running.
 std::string own_program();
+/// The program of that name in its folder; empty where there is none.
+std::string program_beside(const std::string& name);
+/// The same; throws SystemError where there is none.
+std::string require_program_beside(const std::string& name);
+/// Starts the program in place of this one, as the same process, with arguments that begin with
+/// its name. Throws SystemError where it cannot be started.
+[[noreturn]] void become_program(const std::string& program,
+                                 const std::vector<std::string>& arguments);
 
 /// The resident size of the process, in millions of bytes.
 double rss_mb();

@@ -1,7 +1,6 @@
 #include "tools/lab/bench/benches.h"
 
 #include "tools/lab/bench/bench_io.h"
-#include "tools/lab/bench/calibrate/calibrate.h"
 #include "tools/lab/bench/ecm/bench_ecm.h"
 #include "tools/lab/bench/economy/bench_economy.h"
 #include "tools/lab/bench/elastic/bench_fem.h"
@@ -55,10 +54,6 @@ Bench bench_of(const BenchOptions& options, int threads, Console& console) {
   const EcmBenchOptions ecm{options.quick, threads, options.only, options.ct_head};
   return {[=, &console] { return ecm_row_names(ecm, console); },
           [=, &console] { return bench_ecm(ecm, console); }};
-}
-
-UnitCosts measured_costs(Console& console) {
-  return calibrate(console);
 }
 
 }  // namespace supple::tools

@@ -7,16 +7,9 @@
 
 #include "tools/console/console.h"
 #include "tools/lab/bench/report/report.h"
-#include "tools/scene/plan/unit_costs.h"
+#include "tools/lab/options/lab_options.h"
 
 namespace supple::tools {
-
-struct BenchOptions {
-  std::string name;
-  bool quick = false;
-  std::vector<std::string> only;
-  std::string ct_head;
-};
 
 struct Bench {
   std::function<std::vector<std::string>()> row_names;
@@ -25,8 +18,5 @@ struct Bench {
 
 /// A build with SUPPLE_BENCH=OFF (no_benches.cpp) throws UsageError.
 Bench bench_of(const BenchOptions& options, int threads, Console& console);
-
-/// What `supple bench --calibrate` measures (calibrate/calibrate.h); likewise.
-UnitCosts measured_costs(Console& console);
 
 }  // namespace supple::tools

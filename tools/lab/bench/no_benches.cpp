@@ -9,9 +9,4 @@ Bench bench_of(const BenchOptions& options, int, Console&) {
                    ": this program was built without benchmarks (-DSUPPLE_BENCH=ON adds them)");
 }
 
-UnitCosts measured_costs(Console&) {
-  throw UsageError(
-      "bench --calibrate: this program was built without benchmarks (-DSUPPLE_BENCH=ON adds them)");
-}
-
 }  // namespace supple::tools

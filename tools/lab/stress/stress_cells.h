@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/lab/options/lab_options.h"
 #include "tools/lab/stress/stress_extremes.h"
 
 namespace supple::tools {
@@ -22,14 +23,7 @@ struct StressCell {
 /// All of them, by extremes.
 std::vector<StressCell> stress_cells();
 
-/// Of the matrix the rows that are wanted: by names of extremes, models or rows (empty: all),
-/// without long ones unless they are named or asked for; `quick`: of each extreme one, models
-/// taking turns. Throws UsageError for an unknown name.
-struct StressChoice {
-  std::vector<std::string> only;
-  bool quick = false;
-  bool with_long = false;
-};
+/// The rows that are wanted. Throws UsageError for an unknown name.
 std::vector<StressCell> cells_of(const StressChoice& choice);
 
 /// The row of that name. Throws UsageError.

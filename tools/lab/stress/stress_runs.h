@@ -18,13 +18,6 @@ struct StressRow : StressVerdict {
   double wall_s = 0, peak_mb = 0;
 };
 
-struct StressOptions {
-  StressChoice choice;
-  std::string folder;   // that inputs and results of rows are kept in; empty: none are
-  double patience = 1;  // limits of time and memory are multiplied by it
-  int threads = 0;
-};
-
 /// Runs the rows, and calls `done` after each. Throws Cancelled, SystemError.
 std::vector<StressRow> run_stress(const StressOptions& options, Console& console,
                                   const std::function<void(const StressRow&)>& done);

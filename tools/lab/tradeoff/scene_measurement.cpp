@@ -7,11 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/pictures/compare.h"
-#include "tools/program_version.h"
+#include "tools/console/program_version.h"
 #include "tools/scene/choice/run_phases.h"
 #include "tools/scene/run/element_volumes.h"
 #include "volumes/base/child_process.h"
-#include "volumes/base/own_process.h"
 #include "volumes/base/sha256.h"
 #include "volumes/base/text.h"
 
@@ -169,7 +168,7 @@ bool SceneMeasurement::run_all(TradeRow& row, const RowSetting& setting) {
   AllPhases all;
   double spent_s = 0;
   while (row.runs < m_options.runs && (row.runs == 0 || spent_s < m_options.row_s)) {
-    const ChildEnd end = run_child(own_program(), arguments(setting), {m_options.limit_s},
+    const ChildEnd end = run_child(m_program, arguments(setting), {m_options.limit_s},
                                    [this] { return m_console.cancelled(); });
     spent_s += end.wall_s;
     if (end.exit_code != 0) {

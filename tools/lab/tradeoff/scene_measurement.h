@@ -9,21 +9,14 @@
 
 #include "raycast/pictures/image.h"
 #include "tools/console/console.h"
+#include "tools/lab/options/lab_options.h"
 #include "tools/lab/tradeoff/error_norms.h"
 #include "tools/scene/choice/trade_row.h"
 #include "tools/scene/file/draw_method.h"
 #include "tools/scene/file/step_method.h"
+#include "volumes/base/own_process.h"
 
 namespace supple::tools {
-
-/// How a row is measured.
-struct MeasureOptions {
-  std::string folder;
-  int runs = 5;
-  double limit_s = 600;  // of one run
-  double row_s = 60;     // no further run of a row begins after so long
-  int threads = 0;
-};
 
 /// What a row is about: how the scene is solved, or drawn.
 struct RowSetting {
@@ -81,6 +74,7 @@ class SceneMeasurement {
   const Scene& m_scene;
   std::string m_name;
   Console& m_console;
+  std::string m_program = require_program_beside("supple");
   std::string m_inputs;
   std::unique_ptr<ErrorReference> m_reference;
 };

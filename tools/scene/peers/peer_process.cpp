@@ -136,11 +136,6 @@ ProcessCost PeerProcess::finish() {
   return cost;
 }
 
-std::string program_beside(const std::string& name) {
-  const auto program = std::filesystem::path(own_program()).parent_path() / name;
-  return std::filesystem::exists(program) ? program.string() : "";
-}
-
 bool has_python_with_vtk(const std::vector<std::string>& modules) {
   std::string test = "import sys";
   for (const std::string& module : modules) test += ", vtkmodules." + module;

@@ -50,8 +50,6 @@ class PeerProcess {
   std::string m_unread;
 };
 
-/// A program that the build puts beside this one; empty when it was not built.
-std::string program_beside(const std::string& name);
 /// The Python that Debian's VTK belongs to.
 constexpr const char* kPythonWithVtk = "/usr/bin/python3";
 /// True when it has these of VTK's modules.

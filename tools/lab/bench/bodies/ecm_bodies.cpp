@@ -12,21 +12,13 @@
 #include "lib/material/material_file.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
+#include "tools/scene/plan/calibrate.h"
 #include "volumes/grid/density_grid.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
-
-const char* const kHeadMaterial = R"(
-domain     = [-300, 1500]
-active     = [-300, 3100]
-components = "largest"
-max_length = [[-300, 1.25], [100, 1.20], [250, 1.06], [700, 1.05]]
-min_length = [[-300, 0.75], [100, 0.80], [250, 0.94], [700, 0.95]]
-shear      = [[-300, 0.30], [100, 0.25], [250, 0.15], [700, 0.13]]
-)";
 
 namespace {
 

@@ -18,9 +18,6 @@ namespace supple::tools {
 /// No density grid is built: 1 byte per voxel, 100 per brick. Some 3 ns per voxel and core.
 Body block_body(const std::string& field, const Vec3i& size);
 
-/// The table of docs/scenes/ct_head_material.toml.
-extern const char* const kHeadMaterial;
-
 /// The head phantom of volumes/phantom with the demo's CT material and without its headrest;
 /// sampled at half the resolution and trilinear between.
 Body head_phantom_body(const Vec3i& size);

@@ -14,6 +14,7 @@
 #include "tools/lab/bench/report/memory.h"
 #include "tools/scene/peers/peer_process.h"
 #include "tools/scene/peers/vtk_peer.h"
+#include "tools/scene/plan/calibrate.h"
 #include "volumes/base/own_process.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
@@ -60,8 +61,8 @@ class DraggedFiles {
   std::string operator/(const std::string& name) const { return m_scratch / name; }
 
   ProcessCost supple(std::vector<std::string> arguments) const {
-    const std::vector<std::string> program = {own_program(), "--quiet", "--force", "--threads",
-                                              m_threads};
+    const std::vector<std::string> program = {require_program_beside("supple"), "--quiet",
+                                              "--force", "--threads", m_threads};
     arguments.insert(arguments.begin(), program.begin(), program.end());
     return PeerProcess(arguments).finish();
   }

@@ -1,4 +1,4 @@
-#include "tools/lab/bench/calibrate/calibrate.h"
+#include "tools/scene/plan/calibrate.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,10 +9,8 @@
 #include "lib/session/session.h"
 #include "raycast/render.h"
 #include "raycast/scene/presets.h"
-#include "tools/lab/bench/bodies/ecm_bodies.h"
-#include "tools/lab/bench/report/timing.h"
-#include "tools/program_version.h"
-#include "tools/scene/peers/peer_process.h"
+#include "volumes/base/scratch_folder.h"
+#include "volumes/base/stopwatch.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
@@ -21,6 +19,15 @@
 #include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
+
+const char* const kHeadMaterial = R"(
+domain     = [-300, 1500]
+active     = [-300, 3100]
+components = "largest"
+max_length = [[-300, 1.25], [100, 1.20], [250, 1.06], [700, 1.05]]
+min_length = [[-300, 0.75], [100, 0.80], [250, 0.94], [700, 0.95]]
+shear      = [[-300, 0.30], [100, 0.25], [250, 0.15], [700, 0.13]]
+)";
 
 namespace {
 
@@ -31,16 +38,16 @@ constexpr int kPictureSize = 256;
 
 /// Wall time, or processor time where that is less: on a busy machine, of one thread.
 double effort_ms(const std::function<void()>& action) {
-  double wall_ms = 0;
-  const double cpu_ms = cpu_time_ms([&] { wall_ms = time_ms(action); });
-  return std::min(wall_ms, cpu_ms);
+  const Stopwatch watch;
+  action();
+  return std::min(watch.ms(), watch.cpu_ms());
 }
 
 /// The least of the rounds is what the others would be on a quiet machine.
-double least_ms(Console& console, const std::function<void()>& action) {
+double least_ms(Progress& progress, const std::function<void()>& action) {
   double least = HUGE_VAL;
   for (int round = 0; round < kRounds; ++round) {
-    if (console.cancelled()) throw Cancelled();
+    if (progress.cancelled()) throw Cancelled();
     least = std::min(least, effort_ms(action));
   }
   return least;
@@ -73,11 +80,11 @@ Region middle_of(const Session& session) {
 
 class Calibration {
  public:
-  explicit Calibration(Console& console) : m_console(console) {
+  explicit Calibration(Progress& progress) : m_progress(progress) {
     write_phantom(m_head, head_phantom({96, 96, 54}));
     write_phantom(m_lips, lips_phantom());
   }
-  UnitCosts measure();
+  UnitCosts measure(const std::string& program);
 
  private:
   void measure_opening();
@@ -88,7 +95,7 @@ class Calibration {
   void measure_files(const State& at_rest, const State& moved);
   void measure_motion();
 
-  Console& m_console;
+  Progress& m_progress;
   const ScratchFolder m_folder;
   const std::string m_head = m_folder / "head.nrrd", m_lips = m_folder / "lips.nrrd";
   UnitCosts m_costs;
@@ -98,12 +105,12 @@ void Calibration::measure_opening() {
   const SessionOptions options = with_material();
   const MaterialTable& material = *options.material;
   double voxels = 0, elements = 0;
-  const double read_ms = least_ms(m_console, [&] {
+  const double read_ms = least_ms(m_progress, [&] {
     const ElementVolume volume =
         load_elements(m_head, {}, material.active_lo, material.active_hi, material.components);
     voxels = double(volume.volume.geometry.voxel_count());
   });
-  const double open_ms = least_ms(m_console, [&] {
+  const double open_ms = least_ms(m_progress, [&] {
     const Session session(m_head, options);
     elements = double(session.body().elements.active_count());
   });
@@ -129,7 +136,7 @@ void Calibration::measure_relaxation(const Session& session) {
     params.bulk_modulus_kpa = conserves ? 100 : 0;
     double least = HUGE_VAL;
     for (int round = 0; round < kRounds; ++round) {
-      if (m_console.cancelled()) throw Cancelled();
+      if (m_progress.cancelled()) throw Cancelled();
       Body body = session.body();
       Relaxation relaxation(body, {}, {}, params);
       const double ms = effort_ms([&] {
@@ -144,12 +151,12 @@ void Calibration::measure_relaxation(const Session& session) {
 void Calibration::measure_pose(const State& at_rest, const State& moved) {
   const double bricks = double(moved.density.bricks().brick_count());
   Displacement u;
-  const double rest_ms =
-      least_ms(m_console, [&] { invert_displacement(at_rest, extended_displacement_of(at_rest)); });
+  const double rest_ms = least_ms(
+      m_progress, [&] { invert_displacement(at_rest, extended_displacement_of(at_rest)); });
   // Of the two passes over its bricks, displacement and inverse.
   m_costs.still_brick = per_unit(rest_ms, 2 * bricks);
-  const double extend_ms = least_ms(m_console, [&] { u = extended_displacement_of(moved); });
-  const double invert_ms = least_ms(m_console, [&] { invert_displacement(moved, u); });
+  const double extend_ms = least_ms(m_progress, [&] { u = extended_displacement_of(moved); });
+  const double invert_ms = least_ms(m_progress, [&] { invert_displacement(moved, u); });
   const double voxels = double(u.u.vectors.stored_bricks()) * kBrickVoxels;
   const double still_ms = m_costs.still_brick * bricks / kNanosecondsPerMs;
   m_costs.displacement_voxel = per_unit(std::max(0.1 * extend_ms, extend_ms - still_ms), voxels);
@@ -159,7 +166,7 @@ void Calibration::measure_pose(const State& at_rest, const State& moved) {
 void Calibration::measure_pictures(const State& state) {
   std::unique_ptr<Renderer> renderer;
   const double build_ms = least_ms(
-      m_console, [&] { renderer = std::make_unique<Renderer>(state.geometry, state.density); });
+      m_progress, [&] { renderer = std::make_unique<Renderer>(state.geometry, state.density); });
   m_costs.source_brick = per_unit(build_ms, double(state.density.bricks().brick_count()));
   const OffsetField offsets = invert_state(state).offsets;
   renderer->set_offsets(&offsets);
@@ -171,12 +178,12 @@ void Calibration::measure_pictures(const State& state) {
   for (int n = 0; n < 2; ++n) {
     settings.set_step(n == 0 ? 0.5 : 0.125);
     RenderReport report;
-    ms[n] = least_ms(m_console,
+    ms[n] = least_ms(m_progress,
                      [&] { renderer->render_float(camera, preset("Bone"), settings, &report); });
     samples[n] = double(report.samples);
   }
   m_costs.sample = per_unit(std::max(0.0, ms[1] - ms[0]), samples[1] - samples[0]);
-  const double file_ms = least_ms(m_console, [&] {
+  const double file_ms = least_ms(m_progress, [&] {
     write_png(m_folder / "picture.png",
               to_image(renderer->render_float(camera, preset("Bone"), settings)));
   });
@@ -190,12 +197,12 @@ void Calibration::measure_files(const State& at_rest, const State& moved) {
   const Pose rest = invert_state(at_rest), pose = invert_state(moved);
   const std::string path = m_folder / "state.vdb";
   const double bricks = double(moved.density.bricks().brick_count());
-  const double rest_ms = least_ms(m_console, [&] { write_state(path, at_rest, rest.offsets); });
-  const double moved_ms = least_ms(m_console, [&] { write_state(path, moved, pose.offsets); });
+  const double rest_ms = least_ms(m_progress, [&] { write_state(path, at_rest, rest.offsets); });
+  const double moved_ms = least_ms(m_progress, [&] { write_state(path, moved, pose.offsets); });
   m_costs.state_brick = per_unit(rest_ms, bricks);
   m_costs.state_vector_brick =
       per_unit(std::max(0.0, moved_ms - rest_ms), double(pose.offsets.o.vectors.stored_bricks()));
-  const double warp_ms = least_ms(m_console, [&] {
+  const double warp_ms = least_ms(m_progress, [&] {
     WarpOutput output;
     output.path = m_folder / "warp.nrrd";
     output.grid = moved.geometry;
@@ -225,7 +232,7 @@ void Calibration::measure_motion() {
   double springs_ms = HUGE_VAL, spring_steps = 0;
   double fem_ms = HUGE_VAL, fem_units = 0;
   for (int round = 0; round < kRounds; ++round) {
-    if (m_console.cancelled()) throw Cancelled();
+    if (m_progress.cancelled()) throw Cancelled();
     const auto [ms, record] = step(false);
     springs_ms = std::min(springs_ms, ms);
     spring_steps = double(record.sprung.springs) * record.sprung.steps;
@@ -238,8 +245,8 @@ void Calibration::measure_motion() {
   m_costs.fem_unknown = per_unit(fem_ms, fem_units);
 }
 
-UnitCosts Calibration::measure() {
-  m_console.stage("calibrating");
+UnitCosts Calibration::measure(const std::string& program) {
+  m_progress.stage("calibrating");
   measure_opening();
   Session session(m_head, with_material());
   const State at_rest = session.state();
@@ -253,14 +260,14 @@ UnitCosts Calibration::measure() {
   char day[32];
   const std::time_t now = std::time(nullptr);
   std::strftime(day, sizeof day, "%Y-%m-%d", std::localtime(&now));
-  m_costs.measured = std::string(day) + " by supple " + program_version();
+  m_costs.measured = std::string(day) + " by " + program;
   return m_costs;
 }
 
 }  // namespace
 
-UnitCosts calibrate(Console& console) {
-  return Calibration(console).measure();
+UnitCosts calibrate(const std::string& program, Progress& progress) {
+  return Calibration(progress).measure(program);
 }
 
 }  // namespace supple::tools

@@ -1,6 +1,6 @@
-#include "tools/program_version.h"
+#include "tools/console/program_version.h"
 
-#include "tools/build_facts.h"
+#include "tools/console/build_facts.h"
 #include "volumes/base/version.h"
 
 namespace supple::tools {

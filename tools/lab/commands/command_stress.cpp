@@ -1,11 +1,11 @@
-// supple stress: every model under extremes, each row with what is expected and what was measured.
+// Every model under extremes, each row with what is expected and what was measured.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include <nlohmann/json.hpp>
 
-#include "tools/console/command.h"
+#include "tools/lab/commands/lab_commands.h"
 #include "tools/lab/stress/stress_table.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/text_file.h"
@@ -13,13 +13,6 @@
 namespace supple::tools {
 
 namespace {
-
-struct StressCommand {
-  StressOptions options;
-  std::vector<std::string> outputs;
-  bool lists = false;
-  std::string markdown, row;
-};
 
 bool has_extension(const std::string& path, const char* extension) {
   return std::filesystem::path(path).extension() == extension;
@@ -91,34 +84,9 @@ int run_stress_command(const StressCommand& given, const GlobalOptions& global, 
 
 }  // namespace
 
-Command add_stress(CLI::App& program) {
+Command stress_command(CLI::App& program) {
   auto given = std::make_shared<StressCommand>();
-  StressOptions& options = given->options;
-  CLI::App* app = add_subcommand(program, "stress",
-                                 "Every model under extremes: finite and bounded, or refused",
-                                 "  supple stress\n"
-                                 "  supple stress --only fem --only far-drag\n"
-                                 "  supple stress --long -o stress.md -o stress.csv");
-  app->add_option("--only", options.choice.only, "Of the matrix an extreme, a model or one row")
-      ->option_text("EXTREME|MODEL|EXTREME/MODEL");
-  app->add_flag("--quick", options.choice.quick, "Of every extreme one model");
-  app->add_flag("--long", options.choice.with_long,
-                "Also rows of minutes and gigabytes, such as a million islands");
-  app->add_flag("--list", given->lists, "What is expected of every row; nothing runs");
-  app->add_option("--markdown", given->markdown, "The matrix as the tables of docs/extremes.md")
-      ->check(CLI::IsMember({"models", "extremes"}))
-      ->option_text("models|extremes");
-  app->add_option("-o,--output", given->outputs, "Table of the results, may be given several times")
-      ->option_text("F.md|F.csv");
-  app->add_option("--keep", options.folder, "Keep input and results of every row here")
-      ->option_text("DIR");
-  app->add_option("--patience", options.patience,
-                  "Multiplies the limits of time and memory, as for a build with sanitizers")
-      ->check(CLI::Range(0.01, 1000.0))
-      ->capture_default_str()
-      ->option_text("FACTOR");
-  app->add_option("--row", given->row, "One row in this process, as for a debugger; needs --keep")
-      ->option_text("EXTREME/MODEL");
+  CLI::App* app = add_stress_options(program, *given);
   return {app, [given](const GlobalOptions& global, Console& console) {
             return run_stress_command(*given, global, console);
           }};
