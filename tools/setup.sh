@@ -10,7 +10,7 @@ set -euo pipefail
 SUPPLE_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 
 SUPPLE_PACKAGES=(
-  ca-certificates git build-essential cmake ninja-build python3-minimal
+  ca-certificates git build-essential cmake ninja-build ccache python3-minimal
   libopenvdb-dev liblog4cplus-dev libnanovdb-dev libboost-dev libtbb-dev libembree-dev libhwy-dev
   libopencv-dev libtiff-dev libpugixml-dev libpng-dev libturbojpeg0-dev libopenexr-dev ffmpeg libnifti2-dev zlib1g-dev
   libbz2-dev libeigen3-dev libspectra-dev

@@ -4,18 +4,20 @@
 # for a few seconds, then everything in the release build, with the examples against the installed
 # library. It ends with a list of what was skipped, and why.
 #
-#   bash tools/test.sh [--release-only] [--need-judges]
+#   bash tools/test.sh [--release-only] [--need-judges] [--all-tests]
 #     --need-judges: fail where a program or volume that tests compare with is missing
+#     --all-tests: the build with sanitizers leaves none out
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 cd "$SUPPLE_ROOT"
 
-sanitized=1 need_judges=()
+sanitized=1 need_judges=() all_tests=OFF labels=(-L 'unit|property|fault|sanitize')
 for option in "$@"; do
   case "$option" in
     --release-only) sanitized=0 ;;
     --need-judges) need_judges=(--need-judges) ;;
-    *) echo "test.sh: found option $option, expected --release-only or --need-judges" >&2; exit 2 ;;
+    --all-tests) all_tests=ON labels=() ;;
+    *) echo "test.sh: found option $option, expected --release-only, --need-judges or --all-tests" >&2; exit 2 ;;
   esac
 done
 
@@ -49,9 +51,9 @@ fi
 
 if [ "$sanitized" = 1 ]; then
   install_packages "${SUPPLE_CLANG[@]}"
-  build_preset asan all -DSUPPLE_WERROR=ON
-  say "testing build/asan (unit, property, fault)"
-  run_ctest asan -L 'unit|property|fault|sanitize'
+  build_preset asan all -DSUPPLE_WERROR=ON -DSUPPLE_ALL_TESTS=$all_tests
+  say "testing build/asan"
+  run_ctest asan "${labels[@]}"
   bash tools/fuzz.sh --seconds 2
 fi
 build_preset release all -DSUPPLE_BENCH=ON
