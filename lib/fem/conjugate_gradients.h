@@ -11,25 +11,13 @@
 
 #include <vector>
 
-#include "lib/fem/fem_loads.h"
+#include "lib/fem/nodal_loads.h"
 #include "lib/fem/node_vectors.h"
+#include "lib/fem/operator.h"
 #include "lib/fem/residual.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-/// A symmetric matrix K and a preconditioner B, nearly its inverse; three values per node.
-class LinearSystem {
- public:
-  virtual ~LinearSystem() = default;
-  /// y += K x.
-  virtual void add(const float* x, double* y) const = 0;
-  /// y -= K x.
-  virtual void subtract(const double* x, double* y) const = 0;
-  /// z = B r; `r` is used up. Its held components are 0, and those of z are to be. Throws
-  /// Cancelled.
-  virtual void precondition(float* r, float* z, const Progress* progress) = 0;
-};
 
 /// Where iterations end.
 struct CgLimits {

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "lib/fem/fem_results.h"
+#include "lib/fem/node_vectors.h"
 
 namespace supple {
 
@@ -32,30 +31,6 @@ constexpr double kSlopeLeft = 0.5;
 constexpr double kEnergyRounding = 1e-10;
 constexpr int kMostShortenings = 8;
 
-/// The tangent at a state, and the cycle of the stiffness at rest.
-class TangentSystem final : public LinearSystem {
- public:
-  TangentSystem(const FiniteStrain& strain, const std::vector<double>& u, const NodeTurns& turns,
-                Multigrid& multigrid)
-      : m_strain(strain), m_u(u), m_turns(turns), m_multigrid(multigrid) {}
-
-  void add(const float* x, double* y) const override { m_strain.add_tangent(m_u.data(), x, y); }
-  void subtract(const double* x, double* y) const override {
-    m_strain.subtract_tangent(m_u.data(), x, y);
-  }
-  void precondition(float* r, float* z, const Progress* progress) override {
-    m_turns.turn_back(r);
-    m_multigrid.cycle(r, z, progress);
-    m_turns.turn(z);
-  }
-
- private:
-  const FiniteStrain& m_strain;
-  const std::vector<double>& m_u;
-  const NodeTurns& m_turns;
-  Multigrid& m_multigrid;
-};
-
 /// y += factor x.
 void add_to(std::vector<double>& y, double factor, const std::vector<double>& x) {
   for_ranges(y.size(), [&](std::size_t begin, std::size_t end) {
@@ -65,15 +40,11 @@ void add_to(std::vector<double>& y, double factor, const std::vector<double>& x)
 
 }  // namespace
 
-Newton::Newton(const HexMesh& voxels, const FiniteStrain& strain, const VoxelMaterial& material,
-               Multigrid& multigrid, NodalLoads& loads, const NewtonLimits& limits)
-    : m_mesh(&voxels),
-      m_strain(&strain),
-      m_material(&material),
-      m_multigrid(&multigrid),
-      m_loads(&loads),
+Newton::Newton(const ElasticSolid& solid, const NonlinearSystem& system, NodalLoads& loads,
+               const NewtonLimits& limits)
+    : m_system(&system),
       m_limits(limits),
-      m_path(voxels, loads),
+      m_path(solid, loads),
       m_whole_mn(loads.force_mn),
       m_u(loads.u_mm.size(), 0.0),
       m_r(loads.u_mm.size(), 0.0),
@@ -86,7 +57,7 @@ Newton::Newton(const HexMesh& voxels, const FiniteStrain& strain, const VoxelMat
 /// The energy and r = f(part) - K(u); false where an element is inside out.
 bool Newton::evaluate() {
   fill(m_r.data(), m_r.size(), 0.0);
-  m_energy = m_strain->add_forces(m_u.data(), m_r.data());
+  m_energy = m_system->add_forces(m_u.data(), m_r.data());
   for_ranges(m_r.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       m_r[n] = (m_whole_mn.empty() ? 0 : m_part * m_whole_mn[n]) - m_r[n];
@@ -97,15 +68,14 @@ bool Newton::evaluate() {
 
 /// d from m_system_loads; not `found` where no direction came of it.
 std::vector<double> Newton::solve_tangent(const CgLimits& limits, Progress* progress, bool& found) {
-  const NodeTurns turns(*m_mesh, *m_material, m_loads->held, m_u);
-  TangentSystem system(*m_strain, m_u, turns, *m_multigrid);
-  ConjugateGradients solver(system, m_system_loads, limits);
+  const std::unique_ptr<LinearSystem> tangent = m_system->tangent_at(m_u);
+  ConjugateGradients solver(*tangent, m_system_loads, limits);
   found = solver.run(progress) || solver.iterations() > 0;
   m_report.cg_iterations += solver.iterations();
   m_meter.have_seen(solver.size().seen_mn);
   // Two vectors here, one that keeps the state before the step, and all forces twice.
   m_bytes = (3 + (m_whole_mn.empty() ? 0 : 2)) * m_u.size() * sizeof(double) + m_path.bytes() +
-            solver.bytes() + turns.bytes();
+            solver.bytes() + tangent->bytes();
   return solver.take_u();
 }
 
@@ -123,7 +93,7 @@ bool Newton::predict(double& part, Progress* progress) {
                      m_limits.max_cg_iterations, 0, true},
                     progress, found);
   const double from = m_part, way = part - m_part, smallest = m_energy.smallest_j;
-  const double turn_deg = largest_motion(*m_mesh, *m_material, d).rotation_deg;
+  const double turn_deg = m_system->largest_turn_deg(d);
   double taken = 0;
   for (int halvings = 0; halvings <= kMostHalvings; ++halvings) {
     const double fraction = std::ldexp(1, -halvings);

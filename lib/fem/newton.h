@@ -1,25 +1,45 @@
-// Equilibrium at finite strain by Newton's method in steps of the load (finite_strain.h has the
-// equations).
+// Equilibrium at finite strain by Newton's method in steps of the load (voxel/finite_strain.h has
+// the equations of voxels).
 //
 //   step:     T(u) d = f(t) - K(u), d as prescribed at what is held; u + d starts the corrections
 //   correct:  T(u) d = f(t) - K(u), d = 0 at what is held; u + s d by a line search for the energy
 //
 // Each system is solved by conjugate gradients as far as the residual is small (inexact Newton,
-// Dembo, Eisenstat and Steihaug 1982), with the multigrid cycle of the stiffness at rest between
-// turned vectors as preconditioner (NodeTurns). A step that turns an element's inside out, or whose
+// Dembo, Eisenstat and Steihaug 1982), with the preconditioner that the
+// elements give. A step that turns an element's inside out, or whose
 // corrections do not converge, is repeated with half the load; after easy ones the next is twice as
 // long.
 #pragma once
 
+#include <limits>
+#include <memory>
 #include <vector>
 
 #include "lib/fem/conjugate_gradients.h"
-#include "lib/fem/fem_loads.h"
-#include "lib/fem/finite_strain.h"
-#include "lib/fem/multigrid.h"
+#include "lib/fem/elastic_solid.h"
 #include "lib/fem/newton_report.h"
+#include "lib/fem/nodal_loads.h"
+#include "lib/fem/operator.h"
 
 namespace supple {
+
+struct StrainEnergy {
+  double energy_uj = 0;                                         // mN mm
+  double smallest_j = std::numeric_limits<double>::infinity();  // of all Gauss points
+};
+
+/// Elements at finite strain.
+class NonlinearSystem {
+ public:
+  virtual ~NonlinearSystem() = default;
+  /// force += K(u) in mN, u in mm, three values per node. `force` means nothing where smallest_j is
+  /// not above 0.
+  virtual StrainEnergy add_forces(const double* u, double* force) const = 0;
+  /// The tangent at u, which must outlive it, with a preconditioner.
+  virtual std::unique_ptr<LinearSystem> tangent_at(const std::vector<double>& u_mm) const = 0;
+  /// The largest turn of an element by displacements that are small.
+  virtual double largest_turn_deg(const std::vector<double>& u_mm) const = 0;
+};
 
 struct NewtonLimits {
   double tolerance = 1e-6, reaction_tolerance = 1e-5;  // as CgLimits
@@ -30,8 +50,8 @@ struct NewtonLimits {
 class Newton {
  public:
   /// All must outlive this. Takes the prescribed displacements and forces of `loads`.
-  Newton(const HexMesh& voxels, const FiniteStrain& strain, const VoxelMaterial& material,
-         Multigrid& multigrid, NodalLoads& loads, const NewtonLimits& limits);
+  Newton(const ElasticSolid& solid, const NonlinearSystem& system, NodalLoads& loads,
+         const NewtonLimits& limits);
 
   /// False where a step would be too short, with the last equilibrium in u(). Throws Cancelled.
   bool run(Progress* progress);
@@ -52,11 +72,7 @@ class Newton {
   bool search_along(const std::vector<double>& d);
   std::vector<double> solve_tangent(const CgLimits& limits, Progress* progress, bool& found);
 
-  const HexMesh* m_mesh;
-  const FiniteStrain* m_strain;
-  const VoxelMaterial* m_material;
-  Multigrid* m_multigrid;
-  NodalLoads* m_loads;
+  const NonlinearSystem* m_system;
   NewtonLimits m_limits;
   LoadPath m_path;
   NewtonReport m_report;

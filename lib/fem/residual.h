@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "lib/fem/fem_loads.h"
+#include "lib/fem/nodal_loads.h"
 
 namespace supple {
 

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "lib/body/node_offsets.h"
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 #include "volumes/base/error.h"
 
 namespace supple {

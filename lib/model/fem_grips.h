@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "lib/chainmail/held_voxels.h"
-#include "lib/fem/fem.h"
+#include "lib/fem/voxel/fem.h"
 
 namespace supple {
 

@@ -1,6 +1,6 @@
 #include "lib/model/fem_model.h"
 
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 #include "lib/model/held_corners.h"
 #include "lib/model/quasi_static.h"
 #include "volumes/base/units.h"

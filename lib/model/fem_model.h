@@ -1,8 +1,8 @@
-// Finite elements as a model of voxel bodies (lib/fem/fem.h): one linear problem per move, whose
-// displacements count from rest. What is held prescribes the corners of its voxels; the offset of a
-// voxel is the mean of its eight corners. Limits of links play no part, and nothing is remembered:
-// the result depends on what is held where, and on the loads, not on where the rest of the body was
-// before.
+// Finite elements as a model of voxel bodies (lib/fem/voxel/fem.h): one linear problem per move,
+// whose displacements count from rest. What is held prescribes the corners of its voxels; the
+// offset of a voxel is the mean of its eight corners. Limits of links play no part, and nothing is
+// remembered: the result depends on what is held where, and on the loads, not on where the rest of
+// the body was before.
 #pragma once
 
 #include <cstdint>

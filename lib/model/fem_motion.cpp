@@ -75,8 +75,7 @@ void VoxelFemMotion::move(const std::vector<Handle>& handles, int steps, Progres
   }
   const HeldBits by_grips = loads.held;
   const bool holds_some = !m_grips.empty();
-  m_loose =
-      hold_loose_islands(mesh, holds_some && m_params.loose == LooseIslands::hold, loads.held);
+  m_loose = m_model.hold_loose(holds_some && m_params.loose == LooseIslands::hold, loads.held);
   if (holds_some && m_loose.loose_islands > 0 && m_params.loose == LooseIslands::refuse) {
     throw InputError({"", "finite elements",
                       std::to_string(m_loose.loose_islands) + " pieces of " +
@@ -115,7 +114,7 @@ std::vector<Reaction> VoxelFemMotion::reactions(const std::vector<Handle>& handl
 
 std::vector<FemReaction> VoxelFemMotion::reactions(const std::vector<SlotSet>& elements) const {
   return sums_over(elements, m_grips,
-                   reactions_of(m_model.mesh(), m_newmark->loads(), m_newmark->reaction_mn()));
+                   reactions_of(m_model, m_newmark->loads(), m_newmark->reaction_mn()));
 }
 
 FemReaction VoxelFemMotion::anchor_reaction() const {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "lib/fem/dynamics/newmark.h"
-#include "lib/fem/loose_islands.h"
+#include "lib/fem/voxel/fem.h"
 #include "lib/model/fem_grips.h"
 #include "lib/model/held_body.h"
 #include "lib/model/model.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/fem/fem.h"
+#include "lib/fem/voxel/fem.h"
 #include "lib/model/fem_grips.h"
 #include "lib/model/voxel_corners.h"
 

@@ -7,7 +7,7 @@
 
 #include "lib/body/body.h"
 #include "lib/body/slot_set.h"
-#include "lib/fem/hex_mesh.h"
+#include "lib/fem/voxel/hex_mesh.h"
 
 namespace supple {
 

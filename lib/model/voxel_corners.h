@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lib/body/body.h"
-#include "lib/fem/hex_mesh.h"
+#include "lib/fem/voxel/hex_mesh.h"
 #include "lib/model/refined_shape.h"
 
 namespace supple {

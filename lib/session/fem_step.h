@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 #include "lib/model/fem_model.h"
 #include "lib/session/fem/element_results.h"
 #include "lib/session/fem/fem_modes.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lib/chainmail/ecm.h"
-#include "lib/fem/fem.h"
+#include "lib/fem/voxel/fem.h"
 #include "lib/relax/reaction.h"
 
 namespace supple {

@@ -9,7 +9,7 @@
 #include <Eigen/SparseCore>
 
 #include "lib/fem/dynamics/mass.h"
-#include "lib/fem/fem.h"
+#include "lib/fem/voxel/fem.h"
 #include "tests/lib/test_bodies.h"
 #include "volumes/base/units.h"
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 #include "lib/model/fem_model.h"
 #include "lib/model/refined_shape.h"
 #include "lib/model/relax_model.h"

@@ -4,8 +4,8 @@
 #include <Eigen/QR>
 #include <gtest/gtest.h>
 
-#include "lib/fem/loose_islands.h"
-#include "lib/fem/multigrid.h"
+#include "lib/fem/voxel/loose_islands.h"
+#include "lib/fem/voxel/multigrid.h"
 #include "tests/lib/fem_fixtures.h"
 #include "tests/support/sanitized.h"
 #include "volumes/base/on_threads.h"

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/rigid_pieces.h"
-#include "lib/fem/fem_loads.h"
-#include "lib/fem/fem_results.h"
-#include "lib/fem/finite_strain.h"
+#include "lib/fem/voxel/fem_loads.h"
+#include "lib/fem/voxel/fem_results.h"
+#include "lib/fem/voxel/finite_strain.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/on_threads.h"
 
@@ -350,7 +350,7 @@ TEST(UnitFemFinite, WhatIsHeldGoesAlongItsRigidMotion) {
   const NodalLoads loads = nodal_loads(model.mesh(), model.material(),
                                        turned_end(body, Vec3d(0, 0, 1), middle, 90, Vec3d(0, 0, 4)),
                                        StrainTheory::finite);
-  const LoadPath path(model.mesh(), loads);
+  const LoadPath path(model, loads);
   std::vector<double> u(loads.u_mm.size());
   path.prescribe(0.5, u);
   const Turn half = turn_about(Vec3d(0, 0, 1), 45);

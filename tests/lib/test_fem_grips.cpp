@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/rigid_links.h"
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 #include "lib/model/fem_model.h"
 #include "lib/model/fem_motion.h"
 #include "lib/session/drag_handles.h"

@@ -11,8 +11,8 @@
 
 #include "lib/fem/dynamics/modes.h"
 #include "lib/fem/dynamics/newmark.h"
-#include "lib/fem/finite_strain.h"
-#include "lib/fem/loose_islands.h"
+#include "lib/fem/voxel/finite_strain.h"
+#include "lib/fem/voxel/loose_islands.h"
 #include "tests/lib/fem_fixtures.h"
 #include "tests/support/program.h"
 
@@ -432,8 +432,9 @@ TEST(InteropFem, CalculixFindsTheSameTenLowestModes) {
     density[0] = kDensity[0];
     density[1] = kDensity[1];
     const FemModel model(judged.body, judged.elastic, kAsC3d8);
-    const VibrationModes found = lowest_modes(model, density, judged.loads.held);
-    const MassMatrix mass(model.mesh(), model.material(), density);
+    const VibrationModes found =
+        lowest_modes(model, density, held_bits(model.mesh(), judged.loads.held));
+    const MassMatrix mass(model, density);
     for (std::size_t m = 0; m < 10; ++m) {
       EXPECT_NEAR(found.modes[m].frequency_hz, expected.frequency_hz[m],
                   1e-6 * expected.frequency_hz[m]);

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/fem/dynamics/modes.h"
-#include "lib/fem/loose_islands.h"
+#include "lib/fem/voxel/loose_islands.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/on_threads.h"
 
@@ -25,10 +25,8 @@ JudgedModes judge_modes(const Body& body, const ElasticTable& elastic, const Mas
   const FemModel model(body, elastic);
   ModeParams params;
   params.count = count;
-  JudgedModes judged{lowest_modes(model, density, held, params), {}};
-  FemLoads loads;
-  loads.held = held;
-  HeldBits bits = nodal_loads(model.mesh(), model.material(), loads).held;
+  HeldBits bits = held_bits(model.mesh(), held);
+  JudgedModes judged{lowest_modes(model, density, bits, params), {}};
   hold_loose_islands(model.mesh(), !held.empty(), bits);
   const Eigen::MatrixXd stiffness =
       free_part(assembled_stiffness(body, model.mesh(), elastic, Dilatation::mean), bits);
@@ -130,7 +128,7 @@ TEST(PropertyFemModes, ModesHaveTheSameBitsOnAnyNumberOfThreads) {
     const auto find = [&] {
       std::vector<std::vector<double>> shapes;
       for (const VibrationMode& mode :
-           lowest_modes(model, even_density(1000), held, params).modes) {
+           lowest_modes(model, even_density(1000), held_bits(model.mesh(), held), params).modes) {
         shapes.push_back(mode.shape);
       }
       return shapes;
@@ -153,8 +151,9 @@ TEST(ConvergenceFemModes, ABarSwingsAlongItselfAsTheFormulaSays) {
     end.axes = {false, false, true};
     ModeParams params;
     params.count = 1;
-    const VibrationModes found = lowest_modes(FemModel(body, ElasticTable::uniform(kYoung, 0)),
-                                              even_density(kDensity), {straight, end}, params);
+    const FemModel model(body, ElasticTable::uniform(kYoung, 0));
+    const VibrationModes found = lowest_modes(model, even_density(kDensity),
+                                              held_bits(model.mesh(), {straight, end}), params);
     const VibrationMode& along = found.modes[0];
     errors.push_back(along.frequency_hz / exact - 1);
     // A quarter of a wave: 8 / pi^2 of the mass.
@@ -190,8 +189,9 @@ TEST(ConvergenceFemModes, ABeamBendsAsTimoshenkoSays) {
     middle.axes = {false, false, true};
     ModeParams params;
     params.count = 1;
-    const VibrationModes found = lowest_modes(FemModel(body, ElasticTable::uniform(kYoung, 0)),
-                                              even_density(kDensity), {flat, ends, middle}, params);
+    const FemModel model(body, ElasticTable::uniform(kYoung, 0));
+    const VibrationModes found = lowest_modes(
+        model, even_density(kDensity), held_bits(model.mesh(), {flat, ends, middle}), params);
     errors.push_back(found.modes[0].frequency_hz / exact - 1);
   }
   EXPECT_LT(std::abs(errors.back()), 0.02);
@@ -204,14 +204,21 @@ TEST(UnitFemModes, WhatHasNoModesIsAnError) {
   const std::vector<HeldElements> end{hold_where(body, [](const Vec3d& x) { return x.z < -0.49; })};
   ModeParams params;
   params.count = 13;  // 24 components are free
-  EXPECT_THROW(lowest_modes(model, even_density(1000), end, params), InputError);
-  params.count = 12;
-  EXPECT_EQ(lowest_modes(model, even_density(1000), end, params).modes.size(), 12u);
-  params.count = 1;
-  EXPECT_THROW(lowest_modes(model, even_density(0), end, params), InputError);
-  EXPECT_THROW(lowest_modes(model, even_density(1000),
-                            {hold_where(body, [](const Vec3d&) { return true; })}, params),
+  EXPECT_THROW(lowest_modes(model, even_density(1000), held_bits(model.mesh(), end), params),
                InputError);
+  params.count = 12;
+  EXPECT_EQ(
+      lowest_modes(model, even_density(1000), held_bits(model.mesh(), end), params).modes.size(),
+      12u);
+  params.count = 1;
+  EXPECT_THROW(lowest_modes(model, even_density(0), held_bits(model.mesh(), end), params),
+               InputError);
+  EXPECT_THROW(
+      lowest_modes(model, even_density(1000),
+                   held_bits(model.mesh(), {hold_where(body, [](const Vec3d&) { return true; })}),
+                   params),
+      InputError);
   params.max_iterations = 0;
-  EXPECT_THROW(lowest_modes(model, even_density(1000), end, params), InputError);
+  EXPECT_THROW(lowest_modes(model, even_density(1000), held_bits(model.mesh(), end), params),
+               InputError);
 }

@@ -8,7 +8,7 @@
 
 #include "lib/fem/dynamics/modes.h"
 #include "lib/fem/dynamics/newmark.h"
-#include "lib/fem/loose_islands.h"
+#include "lib/fem/voxel/loose_islands.h"
 #include "lib/model/fem_motion.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/on_threads.h"
@@ -195,7 +195,8 @@ TEST(PropertyFemMotion, AModeSwingsAsItsClosedFormSays) {
   ModeParams modes;
   modes.count = 2;
   const VibrationMode mode =
-      lowest_modes(model, even_density(kDensity), held_end(body), modes).modes[1];
+      lowest_modes(model, even_density(kDensity), held_bits(model.mesh(), held_end(body)), modes)
+          .modes[1];
   const double omega = std::sqrt(mode.eigenvalue_per_s2), h = 0.3 / omega;
   for (const double alpha : {0.0, 0.2 * omega}) {
     RayleighDamping damping;
@@ -223,7 +224,9 @@ TEST(ConvergenceFemMotion, TheErrorFallsWithTheSquareOfTheStep) {
   const Body body = short_bar();
   const FemModel model(body, ElasticTable::uniform(6, 0.3));
   const double lowest_hz =
-      lowest_modes(model, even_density(kDensity), held_end(body), {1}).modes[0].frequency_hz;
+      lowest_modes(model, even_density(kDensity), held_bits(model.mesh(), held_end(body)), {1})
+          .modes[0]
+          .frequency_hz;
   RayleighDamping damping;
   damping.stiffness_s.fill(0.02 / lowest_hz);
   // The end is moved aside over half a swing, under gravity that acts at once.

@@ -5,11 +5,11 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "lib/fem/cell_matrices.h"
-#include "lib/fem/fem.h"
-#include "lib/fem/hex_operator.h"
-#include "lib/fem/loose_islands.h"
-#include "lib/fem/multigrid.h"
+#include "lib/fem/voxel/cell_matrices.h"
+#include "lib/fem/voxel/fem.h"
+#include "lib/fem/voxel/hex_operator.h"
+#include "lib/fem/voxel/loose_islands.h"
+#include "lib/fem/voxel/multigrid.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/on_threads.h"
 

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/fem/fem.h"
-#include "lib/fem/multigrid.h"
 #include "lib/fem/node_vectors.h"
-#include "lib/fem/thin_pieces.h"
+#include "lib/fem/voxel/fem.h"
+#include "lib/fem/voxel/multigrid.h"
+#include "lib/fem/voxel/thin_pieces.h"
 #include "tests/lib/fem_fixtures.h"
 
 using namespace supple;

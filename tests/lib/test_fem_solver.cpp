@@ -7,10 +7,10 @@
 #include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
-#include "lib/fem/fem_results.h"
-#include "lib/fem/loose_islands.h"
 #include "lib/fem/residual.h"
-#include "lib/fem/short_float.h"
+#include "lib/fem/voxel/fem_results.h"
+#include "lib/fem/voxel/loose_islands.h"
+#include "lib/fem/voxel/short_float.h"
 #include "lib/model/fem_model.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/on_threads.h"

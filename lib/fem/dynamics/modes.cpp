@@ -7,9 +7,8 @@
 
 #include <Spectra/SymGEigsShiftSolver.h>
 
+#include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/dynamics/rigid_motions.h"
-#include "lib/fem/loose_islands.h"
-#include "lib/fem/stiffness_system.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
 
@@ -68,46 +67,48 @@ class FreeMass {
 
 /// What the modes of a body are computed with.
 struct Vibration {
-  const FemModel& model;
+  const ElasticSolid& solid;
   HeldBits held;
   MassMatrix mass_matrix;
   FreeMass mass;
   std::optional<RigidMotions> rigid;  // of a body that nothing holds
   double shift_per_s2 = 0;
-  std::optional<VoxelMaterial> shifted_material;
-  std::optional<HexOperator> shifted;
-  std::optional<Multigrid> multigrid;
+  std::unique_ptr<LinearSystem> system;  // K + s M
   ModesReport& report;
 
-  Vibration(const FemModel& of, const MassDensities& density, HeldBits held_bits,
+  Vibration(const ElasticSolid& of, const MassDensities& density, HeldBits held_bits,
             ModesReport& report_of, Progress* progress)
-      : model(of),
+      : solid(of),
         held(std::move(held_bits)),
-        mass_matrix(of.mesh(), of.material(), density),
+        mass_matrix(of, density),
         mass(mass_matrix, held),
         report(report_of) {
     const bool is_free = std::all_of(held.begin(), held.end(), [](auto bits) { return bits == 0; });
     if (is_free) {
-      rigid.emplace(model.mesh(), mass_matrix);
+      rigid.emplace(solid, mass_matrix);
       report.rigid_modes = rigid->count();
       shift_per_s2 = kShiftPart * least_quotient_of_strains();
-      shifted_material = weighted_material(model.material(), density, even_parts(1), shift_per_s2);
-      shifted.emplace(model.mesh(), *shifted_material);
+      const ElementWeights shifted{density, even_parts(1), shift_per_s2};
+      system = solid.system(&shifted, held, progress);
+    } else {
+      system = solid.system(nullptr, held, progress);
     }
-    multigrid.emplace(model.levels(), matrix(), is_free ? *shifted_material : model.material(),
-                      held, SmootherParams{}, progress);
-    report.levels = multigrid->level_count();
+    report.levels = system->level_count();
   }
   Vibration(const Vibration&) = delete;
   Vibration& operator=(const Vibration&) = delete;
 
   std::size_t size() const { return 3 * held.size(); }
-  /// K + s M.
-  const HexOperator& matrix() const { return shifted ? *shifted : model.stiffness(); }
+
+  /// K u.
+  void apply(const std::vector<double>& u, std::vector<double>& forces) const {
+    forces.assign(u.size(), 0.0);
+    solid.matrix().add(u.data(), forces.data());
+  }
 
   /// x^T K x / x^T M x of the even stretches along the axes, without rigid motions.
   double least_quotient_of_strains() const {
-    const std::vector<Vec3d> positions = node_positions(model.mesh());
+    const std::vector<Vec3d> positions = solid.node_positions();
     double least = 0;
     std::vector<double> u(size()), scratch, forces;
     for (int axis = 0; axis < 3; ++axis) {
@@ -116,7 +117,7 @@ struct Vibration {
         u[3 * n + std::size_t(axis)] = positions[n][axis];
       }
       rigid->remove_from(u.data(), scratch);
-      model.apply(u, forces);
+      apply(u, forces);
       const double quotient =
           dot(u.data(), forces.data(), size()) / mass.product(u.data(), u.data());
       if (axis == 0 || quotient < least) least = quotient;
@@ -148,9 +149,9 @@ class ShiftedInverse {
     loads.u_mm.assign(m_of->size(), 0.0);
     loads.force_mn.assign(force, force + m_of->size());
     clear_held_components(m_of->held, loads.force_mn.data());
-    StiffnessSystem system(m_of->matrix(), *m_of->multigrid);
     // Reactions do not count.
-    ConjugateGradients solver(system, loads, {kSolveTolerance, 1e300, m_params->max_iterations});
+    ConjugateGradients solver(*m_of->system, loads,
+                              {kSolveTolerance, 1e300, m_params->max_iterations});
     const bool converged = solver.run(m_progress);
     ModesReport& report = m_of->report;
     ++report.solutions;
@@ -216,7 +217,7 @@ VibrationMode mode_of_shape(const Vibration& of, Vector shape) {
   shape /= shape[largest] < 0 ? -norm : norm;
   mode.shape.assign(shape.data(), shape.data() + shape.size());
   of.mass.perform_op(mode.shape.data(), inertia.data());
-  of.model.apply(mode.shape, forces);
+  of.apply(mode.shape, forces);
   clear_held_components(of.held, forces.data());
   mode.eigenvalue_per_s2 = dot(mode.shape.data(), forces.data(), of.size());
   mode.frequency_hz = std::sqrt(std::max(mode.eigenvalue_per_s2, 0.0)) / (2 * kPi);
@@ -306,15 +307,11 @@ double largest_overlap(const Vibration& of, const std::vector<VibrationMode>& mo
   return most;
 }
 
-/// Held components; nothing where nothing is held.
-HeldBits held_bits(const FemModel& model, const std::vector<HeldElements>& held, LooseIslands loose,
-                   ModesReport& report) {
-  FemLoads loads;
-  loads.held = held;
-  HeldBits bits = nodal_loads(model.mesh(), model.material(), loads).held;
-  const bool is_held = std::any_of(bits.begin(), bits.end(), [](auto of) { return of != 0; });
-  const LooseCount count =
-      hold_loose_islands(model.mesh(), is_held && loose == LooseIslands::hold, bits);
+/// Loose islands are held as well; not where nothing is held.
+void hold_islands(const ElasticSolid& solid, LooseIslands loose, HeldBits& held,
+                  ModesReport& report) {
+  const bool is_held = std::any_of(held.begin(), held.end(), [](auto of) { return of != 0; });
+  const LooseCount count = solid.hold_loose(is_held && loose == LooseIslands::hold, held);
   report.islands = count.islands;
   report.loose_islands = count.loose_islands;
   report.loose_elements = count.loose_elements;
@@ -324,7 +321,6 @@ HeldBits held_bits(const FemModel& model, const std::vector<HeldElements>& held,
                           std::to_string(count.loose_elements) + " elements that nothing holds",
                       "every piece held so that it cannot move as a rigid body"});
   }
-  return bits;
 }
 
 }  // namespace
@@ -339,18 +335,17 @@ void ModeParams::validate() const {
   }
 }
 
-VibrationModes lowest_modes(const FemModel& model, const MassDensities& density,
-                            const std::vector<HeldElements>& held, const ModeParams& params,
-                            Progress* progress) {
+VibrationModes lowest_modes(const ElasticSolid& solid, const MassDensities& density, HeldBits held,
+                            const ModeParams& params, Progress* progress) {
   params.validate();
   const auto begin = std::chrono::steady_clock::now();
   VibrationModes out;
   ModesReport& report = out.report;
-  report.elements = model.mesh().element_count();
-  report.nodes = model.mesh().node_count();
-  HeldBits bits = held_bits(model, held, params.loose, report);
-  for (const std::uint8_t of : bits) report.unknowns += 3 - __builtin_popcount(of);
-  Vibration vibration(model, density, std::move(bits), report, progress);
+  report.elements = solid.element_count();
+  report.nodes = solid.node_count();
+  hold_islands(solid, params.loose, held, report);
+  for (const std::uint8_t of : held) report.unknowns += 3 - __builtin_popcount(of);
+  Vibration vibration(solid, density, std::move(held), report, progress);
   stage(progress, "modes");
   const std::int64_t free_dimensions = report.unknowns - report.rigid_modes;
   if (2 * params.count > free_dimensions) {
@@ -372,7 +367,7 @@ VibrationModes lowest_modes(const FemModel& model, const MassDensities& density,
                 " after " + std::to_string(report.solutions) + " solutions");
   }
   report.orthogonality = largest_overlap(vibration, out.modes);
-  report.bytes += model.bytes() + vibration.mass_matrix.bytes() + vibration.multigrid->bytes() +
+  report.bytes += solid.bytes() + vibration.mass_matrix.bytes() + vibration.system->bytes() +
                   (vibration.rigid ? vibration.rigid->bytes() : 0);
   report.milliseconds = ms_since(begin);
   return out;

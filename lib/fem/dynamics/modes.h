@@ -19,7 +19,8 @@
 #include <vector>
 
 #include "lib/fem/dynamics/mass.h"
-#include "lib/fem/fem.h"
+#include "lib/fem/elastic_solid.h"
+#include "lib/fem/fem_report.h"
 
 namespace supple {
 
@@ -66,11 +67,10 @@ struct VibrationModes {
   ModesReport report;
 };
 
-/// The lowest modes of the body with `held` at rest, whatever displacement is prescribed there.
+/// The lowest modes of the body with the `held` components of nodes at rest.
 /// Throws InputError (more modes than half of what can move, a value out of range, loose islands
 /// that are refused), NotConverged, Cancelled.
-VibrationModes lowest_modes(const FemModel& model, const MassDensities& density,
-                            const std::vector<HeldElements>& held, const ModeParams& params = {},
-                            Progress* progress = nullptr);
+VibrationModes lowest_modes(const ElasticSolid& solid, const MassDensities& density, HeldBits held,
+                            const ModeParams& params = {}, Progress* progress = nullptr);
 
 }  // namespace supple

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lib/fem/conjugate_gradients.h"
-#include "lib/fem/stiffness_system.h"
+#include "lib/fem/node_vectors.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -21,7 +21,7 @@ constexpr double kStartTolerance = 1e-10;
 /// size of the body.
 class MassSystem final : public LinearSystem {
  public:
-  MassSystem(const HexOperator& mass, const HeldBits& held)
+  MassSystem(const Operator& mass, const HeldBits& held)
       : m_mass(mass), m_held(held), m_diagonal(mass.diagonal()) {}
 
   void add(const float* x, double* y) const override { m_mass.add(x, y); }
@@ -36,7 +36,7 @@ class MassSystem final : public LinearSystem {
   }
 
  private:
-  const HexOperator& m_mass;
+  const Operator& m_mass;
   const HeldBits& m_held;
   std::vector<float> m_diagonal;
 };
@@ -102,66 +102,47 @@ WayPart smooth_way(double time_s, double duration_s) {
           kWholeTurn * std::sin(turn) / (duration_s * duration_s)};
 }
 
-/// M, D where there is any, and K + 2/h D + 4/h^2 M.
-struct Newmark::Operators {
-  VoxelMaterial mass_material, damping_material, system_material;
-  HexOperator mass;
-  std::optional<HexOperator> damping;
-  HexOperator system;
+namespace {
 
-  Operators(const FemModel& model, const MassDensities& density, const RayleighDamping& damped,
-            double step_s)
-      : mass_material(weighted_material(model.material(), density, even_parts(0), 1)),
-        system_material(weighted_material(model.material(), density,
-                                          parts_of_system(damped, step_s),
-                                          (4 / step_s + 2 * damped.mass_per_s) / step_s)),
-        mass(model.mesh(), mass_material),
-        system(model.mesh(), system_material) {
-    if (damped.empty()) return;
-    damping_material =
-        weighted_material(model.material(), density, damped.stiffness_s, damped.mass_per_s);
-    damping.emplace(model.mesh(), damping_material);
+ClassParts parts_of_system(const RayleighDamping& damping, double step_s) {
+  ClassParts parts;
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    parts[n] = 1 + 2 / step_s * damping.stiffness_s[n];
   }
-
-  static ClassParts parts_of_system(const RayleighDamping& damped, double step_s) {
-    ClassParts parts;
-    for (std::size_t n = 0; n < parts.size(); ++n) {
-      parts[n] = 1 + 2 / step_s * damped.stiffness_s[n];
-    }
-    return parts;
-  }
-  std::size_t bytes() const {
-    return mass.bytes() + (damping ? damping->bytes() : 0) + system.bytes() +
-           mass_material.classes.capacity() + damping_material.classes.capacity() +
-           system_material.classes.capacity();
-  }
-};
-
-Newmark::Newmark(const FemModel& model, const MassDensities& density,
-                 const RayleighDamping& damping, NodalLoads loads, const NewmarkParams& params,
-                 Progress* progress)
-    : m_model(model), m_params(params), m_loads(std::move(loads)) {
-  params.validate();
-  damping.validate();
-  m_operators = std::make_unique<Operators>(model, density, damping, params.step_s);
-  m_multigrid.emplace(model.levels(), m_operators->system, m_operators->system_material,
-                      m_loads.held, SmootherParams{}, progress);
+  return parts;
 }
 
-Newmark::~Newmark() = default;
+}  // namespace
+
+Newmark::Newmark(const ElasticSolid& solid, const MassDensities& density,
+                 const RayleighDamping& damping, NodalLoads loads, const NewmarkParams& params,
+                 Progress* progress)
+    : m_solid(solid), m_params(params), m_loads(std::move(loads)) {
+  params.validate();
+  damping.validate();
+  m_mass = solid.weighted({density, even_parts(0), 1});
+  if (!damping.empty()) {
+    m_damping = solid.weighted({density, damping.stiffness_s, damping.mass_per_s});
+  }
+  const double step_s = params.step_s;
+  const ElementWeights of_system{density, parts_of_system(damping, step_s),
+                                 (4 / step_s + 2 * damping.mass_per_s) / step_s};
+  m_system = solid.system(&of_system, m_loads.held, progress);
+}
 
 std::size_t Newmark::bytes() const {
   const std::size_t values = m_u.capacity() + m_v.capacity() + m_a.capacity() +
                              m_reaction.capacity() + m_from.capacity() + m_loads.u_mm.capacity();
-  return values * sizeof(double) + m_operators->bytes() + m_multigrid->bytes() + m_solver_bytes;
+  return values * sizeof(double) + m_mass->bytes() + (m_damping ? m_damping->bytes() : 0) +
+         m_system->bytes() + m_solver_bytes;
 }
 
 /// y += factor D v.
 void Newmark::add_damping(const std::vector<double>& v, double factor,
                           std::vector<double>& y) const {
-  if (!m_operators->damping) return;
+  if (!m_damping) return;
   std::vector<double> force(v.size(), 0.0);
-  m_operators->damping->add(v.data(), force.data());
+  m_damping->add(v.data(), force.data());
   set_all(y, [&](std::size_t n) { return y[n] + factor * force[n]; });
 }
 
@@ -182,9 +163,9 @@ void Newmark::find_acceleration(Progress* progress) {
   system.u_mm.assign(m_u.size(), 0.0);
   system.force_mn = m_loads.force_mn;
   system.force_mn.resize(m_u.size(), 0.0);
-  m_model.stiffness().subtract(m_u.data(), system.force_mn.data());
+  m_solid.matrix().subtract(m_u.data(), system.force_mn.data());
   add_damping(m_v, -1, system.force_mn);
-  MassSystem mass(m_operators->mass, system.held);
+  MassSystem mass(*m_mass, system.held);
   ConjugateGradients solver(mass, system, {kStartTolerance, kAnyChange, m_params.max_iterations});
   if (!solver.run(progress)) throw NotConverged(report_of(solver));
   m_reaction = solver.residual();
@@ -210,10 +191,9 @@ void Newmark::step(const WayPart& way, const Progress* progress) {
   });
   system.force_mn = m_loads.force_mn;
   system.force_mn.resize(m_u.size(), 0.0);
-  m_model.stiffness().subtract(u.data(), system.force_mn.data());
+  m_solid.matrix().subtract(u.data(), system.force_mn.data());
   add_damping(v, -1, system.force_mn);
-  StiffnessSystem matrix(m_operators->system, *m_multigrid);
-  ConjugateGradients solver(matrix, system,
+  ConjugateGradients solver(*m_system, system,
                             {m_params.tolerance, kAnyChange, m_params.max_iterations});
   const bool converged = solver.run(progress);
   m_solver_bytes = solver.bytes() + 2 * u.capacity() * sizeof(double);
@@ -241,20 +221,20 @@ void Newmark::count_energy(const std::vector<double>& u_before, const std::vecto
                  if (is_held(n)) force -= (reaction_before[n] + m_reaction[n]) / 2;
                  return force * (m_u[n] - u_before[n]);
                });
-  if (!m_operators->damping) return;
+  if (!m_damping) return;
   std::vector<double> mean(m_v.size()), force(m_v.size(), 0.0);
   set_all(mean, [&](std::size_t n) { return (m_v[n] + v_before[n]) / 2; });
-  m_operators->damping->add(mean.data(), force.data());
+  m_damping->add(mean.data(), force.data());
   m_dissipated_mj += kMjPerUj * m_params.step_s * dot(mean.data(), force.data(), mean.size());
 }
 
 MotionEnergy Newmark::energy() const {
   std::vector<double> force(m_u.size(), 0.0);
   MotionEnergy energy;
-  m_model.stiffness().add(m_u.data(), force.data());
+  m_solid.matrix().add(m_u.data(), force.data());
   energy.elastic_mj = kMjPerUj / 2 * dot(m_u.data(), force.data(), m_u.size());
   fill(force.data(), force.size(), 0.0);
-  m_operators->mass.add(m_v.data(), force.data());
+  m_mass->add(m_v.data(), force.data());
   energy.kinetic_mj = kMjPerUj / 2 * dot(m_v.data(), force.data(), m_v.size());
   energy.work_mj = m_work_mj;
   energy.dissipated_mj = m_dissipated_mj;

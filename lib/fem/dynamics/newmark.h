@@ -21,12 +21,12 @@
 #pragma once
 
 #include <array>
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "lib/fem/dynamics/mass.h"
-#include "lib/fem/fem.h"
-#include "lib/fem/multigrid.h"
+#include "lib/fem/elastic_solid.h"
+#include "lib/fem/fem_report.h"
 
 namespace supple {
 
@@ -66,11 +66,10 @@ WayPart smooth_way(double time_s, double duration_s);
 class Newmark {
  public:
   /// `loads.held` components go from where they are at the start to `loads.u_mm`; forces act from
-  /// the start on. `model` must outlive this. Throws InputError as weighted_material and
-  /// validate(), Cancelled.
-  Newmark(const FemModel& model, const MassDensities& density, const RayleighDamping& damping,
+  /// the start on. `solid` must outlive this. Throws InputError as
+  /// ElasticSolid::weighted() and validate(), Cancelled.
+  Newmark(const ElasticSolid& solid, const MassDensities& density, const RayleighDamping& damping,
           NodalLoads loads, const NewmarkParams& params, Progress* progress = nullptr);
-  ~Newmark();
 
   /// At these displacements and velocities, three per node, with the acceleration that the forces
   /// give. Held components are where `u_mm` has them, and at rest. Throws NotConverged, Cancelled.
@@ -91,23 +90,22 @@ class Newmark {
   int steps() const { return m_step; }
   int iterations() const { return m_iterations; }         // of all steps
   double residual_max() const { return m_residual_max; }  // the largest of all steps
-  int level_count() const { return m_multigrid->level_count(); }
+  int level_count() const { return m_system->level_count(); }
   std::size_t bytes() const;
 
  private:
-  struct Operators;
   bool is_held(std::size_t n) const { return (m_loads.held[n / 3] >> n % 3 & 1) != 0; }
   void add_damping(const std::vector<double>& v, double factor, std::vector<double>& y) const;
   void find_acceleration(Progress* progress);
   void count_energy(const std::vector<double>& u_before, const std::vector<double>& v_before,
                     const std::vector<double>& reaction_before);
 
-  const FemModel& m_model;
+  const ElasticSolid& m_solid;
   NewmarkParams m_params;
   NodalLoads m_loads;
-  std::vector<double> m_from;  // where held components began
-  std::unique_ptr<Operators> m_operators;
-  std::optional<Multigrid> m_multigrid;
+  std::vector<double> m_from;                   // where held components began
+  std::unique_ptr<Operator> m_mass, m_damping;  // M, and D where there is any
+  std::unique_ptr<LinearSystem> m_system;       // K + 2/h D + 4/h^2 M
   std::vector<double> m_u, m_v, m_a, m_reaction;
   int m_step = 0, m_iterations = 0;
   double m_residual_max = 0, m_work_mj = 0, m_dissipated_mj = 0;

@@ -6,11 +6,11 @@
 
 namespace supple {
 
-RigidMotions::RigidMotions(const HexMesh& mesh, const MassMatrix& mass)
-    : m_mass(mass), m_positions(node_positions(mesh)) {
-  Islands islands = find_islands(mesh);
-  m_piece_of = std::move(islands.of_node);
-  m_pieces.resize(std::size_t(islands.count));
+RigidMotions::RigidMotions(const ElasticSolid& solid, const MassMatrix& mass)
+    : m_mass(mass), m_positions(solid.node_positions()) {
+  NodePieces pieces = solid.node_pieces();
+  m_piece_of = std::move(pieces.of_node);
+  m_pieces.resize(std::size_t(pieces.count));
   std::vector<double> nodes(m_pieces.size());
   for (std::size_t n = 0; n < m_positions.size(); ++n) {
     m_pieces[std::size_t(m_piece_of[n])].centre_mm += m_positions[n];

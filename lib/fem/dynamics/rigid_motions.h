@@ -7,14 +7,13 @@
 #include <Eigen/Core>
 
 #include "lib/fem/dynamics/mass.h"
-#include "lib/fem/hex_mesh.h"
 
 namespace supple {
 
 class RigidMotions {
  public:
-  /// Of all pieces of the mesh. Both must outlive this.
-  RigidMotions(const HexMesh& mesh, const MassMatrix& mass);
+  /// Of all pieces of the body. `mass` must outlive this.
+  RigidMotions(const ElasticSolid& solid, const MassMatrix& mass);
 
   /// Takes them out of x; `scratch` is used up.
   void remove_from(double* x, std::vector<double>& scratch) const;

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/fem/fem.h"
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem.h"
+#include "lib/fem/voxel/fem_results.h"
 
 namespace supple {
 

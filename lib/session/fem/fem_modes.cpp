@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "lib/body/node_offsets.h"
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 
 namespace supple {
 
@@ -58,7 +58,8 @@ ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, co
   of_modes.loose = params.loose;
   std::vector<HeldElements> grips;
   if (!held.empty()) grips.emplace_back().elements = held;
-  const VibrationModes found = lowest_modes(model, density, grips, of_modes, progress);
+  const VibrationModes found =
+      lowest_modes(model, density, held_bits(model.mesh(), grips), of_modes, progress);
   ModesRecord record;
   record.report = found.report;
   for (const VibrationMode& mode : found.modes) {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "lib/fem/dynamics/mass.h"
-#include "lib/fem/fem.h"
+#include "lib/fem/voxel/fem.h"
 
 namespace supple {
 

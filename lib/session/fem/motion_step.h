@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 #include "lib/model/fem_motion.h"
 #include "volumes/base/fields.h"
 

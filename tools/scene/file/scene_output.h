@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/fem/fem_results.h"
+#include "lib/fem/voxel/fem_results.h"
 #include "lib/material/toml_table.h"
 
 namespace supple::tools {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lib/fem/fem.h"
+#include "lib/fem/voxel/fem.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {

@@ -7,7 +7,7 @@
 
 #include <oneapi/tbb/global_control.h>
 
-#include "lib/fem/hex_operator.h"
+#include "lib/fem/voxel/hex_operator.h"
 #include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"

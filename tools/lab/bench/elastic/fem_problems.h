@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "lib/fem/fem.h"
+#include "lib/fem/voxel/fem.h"
 
 namespace supple::tools {
 

@@ -1,0 +1,57 @@
+// A body cut into elements that are elastic and have mass, as modes of vibration, motion in time
+// and the path of loads see it: nodes, pieces, and sums of stiffness and mass.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "lib/fem/elastic_law.h"
+#include "lib/fem/nodal_loads.h"
+#include "lib/fem/operator.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+/// What becomes of islands: pieces of the body whose rigid motions nothing prevents.
+enum class LooseIslands {
+  hold,   // their nodes stay where they are, and what acts on them is carried by what holds them
+  refuse  // an error
+};
+
+struct LooseCount {
+  std::int64_t islands = 0;        // in all
+  std::int64_t loose_islands = 0;  // with fewer than six of the rigid motions prevented
+  std::int64_t loose_elements = 0;
+};
+
+/// Connected pieces of a body.
+struct NodePieces {
+  std::vector<std::int32_t> of_node;
+  std::int32_t count = 0;
+};
+
+class ElasticSolid {
+ public:
+  virtual ~ElasticSolid() = default;
+
+  virtual std::int64_t element_count() const = 0;
+  virtual std::int64_t node_count() const = 0;
+  /// At rest, LPS mm: of all nodes, or of these alone, which ascend.
+  virtual std::vector<Vec3d> node_positions() const = 0;
+  virtual std::vector<Vec3d> node_positions(const std::vector<NodeIndex>& nodes) const = 0;
+  virtual NodePieces node_pieces() const = 0;
+  /// Counts the loose islands and, if asked, holds all their nodes where they are.
+  virtual LooseCount hold_loose(bool holds, HeldBits& held) const = 0;
+
+  /// K, in mN of mm.
+  virtual const Operator& matrix() const = 0;
+  /// A sum of stiffness and mass. Throws InputError for a density that is not above 0.
+  virtual std::unique_ptr<Operator> weighted(const ElementWeights& weights) const = 0;
+  /// K, or such a sum, with a preconditioner. Throws as weighted(), Cancelled.
+  virtual std::unique_ptr<LinearSystem> system(const ElementWeights* weights, const HeldBits& held,
+                                               Progress* progress) const = 0;
+  virtual std::size_t bytes() const = 0;
+};
+
+}  // namespace supple

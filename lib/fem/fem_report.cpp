@@ -1,0 +1,137 @@
+#include "lib/fem/fem_report.h"
+
+#include <cmath>
+
+#include "volumes/base/units.h"
+
+namespace supple {
+
+namespace {
+
+void require(bool holds, const char* field, double found, const char* expected) {
+  if (!holds) throw InputError({"", field, number_text(found), expected});
+}
+
+std::string not_converged_text(const FemReport& report) {
+  std::string text = "finite elements did not converge";
+  if (report.newton) {
+    const NewtonReport& newton = *report.newton;
+    text += " beyond " + number_text(100 * newton.load_part) + " % of the load (" +
+            std::to_string(newton.load_steps) + " steps, " + std::to_string(newton.rejected_steps) +
+            " given up, " + std::to_string(newton.newton_iterations) +
+            " corrections, smallest det F " + number_text(newton.smallest_j) + ")";
+  }
+  return text + ": residual " + number_text(report.residual_max) +
+         " of the largest nodal force (rms " + number_text(report.residual_rms) +
+         "), reactions changed by " + number_text(report.reaction_change) + " after " +
+         std::to_string(report.iterations) + " iterations, " + std::to_string(report.unknowns) +
+         " unknowns";
+}
+
+}  // namespace
+
+void FemParams::set_accuracy(FemAccuracy chosen) {
+  const FemParams exact;
+  const bool is_picture = chosen == FemAccuracy::picture;
+  accuracy = chosen;
+  tolerance = is_picture ? kPictureTolerance : exact.tolerance;
+  reaction_tolerance = is_picture ? kPictureTolerance : exact.reaction_tolerance;
+}
+
+void FemParams::validate() const {
+  require(tolerance > 0 && tolerance < 1, "tolerance", tolerance, "between 0 and 1");
+  require(reaction_tolerance > 0, "reaction_tolerance", reaction_tolerance, "above 0");
+  require(max_iterations > 0, "max_iterations", max_iterations, "at least 1");
+  require(doublings >= 0 && doublings <= kMostDoublings, "coarsen", doublings, "0 to 3");
+  require(doublings == 0 || strain == StrainTheory::linear, "coarsen", doublings,
+          "0 at finite strain");
+  const bool is_plain = doublings == 0 && strain == StrainTheory::linear;
+  if (solver != EquationSolver::multigrid && !is_plain) {
+    throw InputError(
+        {"", "solver", "another program at finite strain or with coarsen", "multigrid"});
+  }
+  require(max_rotation_deg > 0, "max_rotation_deg", max_rotation_deg, "above 0");
+  require(max_strain > 0, "max_strain", max_strain, "above 0");
+}
+
+NotConverged::NotConverged(const FemReport& report)
+    : Error(not_converged_text(report)), m_report(report) {}
+
+void note(const ResidualSize& size, FemReport& report) {
+  report.residual_max = size.max;
+  report.residual_rms = size.rms;
+  report.largest_force_n = size.largest_force_mn * kNPerMn;
+  report.reaction_change = size.reaction_change;
+}
+
+MotionLimits limits_of(const FemParams& params) {
+  return {params.max_rotation_deg, params.max_strain};
+}
+
+void note(const LargestMotion& largest, FemReport& report) {
+  report.largest_rotation_deg = largest.rotation_deg;
+  report.largest_strain = largest.strain;
+  report.turned = largest.turned;
+  report.strained = largest.strained;
+  report.beyond_elements = largest.beyond;
+}
+
+void balance(const NodalLoads& loads, const std::vector<double>& u, const std::vector<double>& r,
+             double least_force_mn, FemReport& report) {
+  Vec3d sum(0);
+  double lengths = least_force_mn, energy = 0, work_of_residual = 0, farthest_mm = 0;
+  for (std::size_t n = 0; n < loads.held.size(); ++n) {
+    Vec3d held(0), load(0);
+    for (int a = 0; a < 3; ++a) {
+      const std::size_t at = 3 * n + std::size_t(a);
+      if (!loads.force_mn.empty()) load[a] = loads.force_mn[at];
+      energy += u[at] * (load[a] - r[at]);
+      farthest_mm = std::max(farthest_mm, std::abs(u[at]));
+      if ((loads.held[n] >> a & 1) != 0) {
+        held[a] = -r[at];
+      } else {
+        work_of_residual += u[at] * r[at];
+      }
+    }
+    sum += held + load;
+    lengths += held.length() + load.length();
+  }
+  report.energy_mj = energy / 2 * kMjPerUj;
+  report.force_balance = lengths > 0 ? sum.length() / lengths : 0;
+  const double least_energy = std::max(std::abs(energy), least_force_mn * farthest_mm);
+  report.energy_identity = least_energy > 0 ? std::abs(work_of_residual) / least_energy : 0;
+}
+
+std::vector<FemReaction> reactions_of(const ElasticSolid& solid, const NodalLoads& loads,
+                                      const std::vector<double>& r,
+                                      const std::vector<double>* u_mm) {
+  std::vector<FemReaction> out;
+  for (std::size_t held = 0; held < loads.nodes_of.size(); ++held) {
+    const std::vector<NodeIndex>& nodes = loads.nodes_of[held];
+    std::vector<Vec3d> positions = solid.node_positions(nodes);
+    FemReaction reaction;
+    reaction.nodes = std::int64_t(nodes.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (u_mm != nullptr) {
+        const double* u = &(*u_mm)[3 * std::size_t(nodes[n])];
+        positions[n] += Vec3d(u[0], u[1], u[2]);
+      }
+      reaction.centre_mm += positions[n];
+    }
+    if (!nodes.empty()) reaction.centre_mm /= double(nodes.size());
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      // The body pulls with r at what holds the node.
+      Vec3d force(0);
+      for (int a = 0; a < 3; ++a) {
+        if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
+        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * loads.share(held, n) * kNPerMn;
+      }
+      reaction.force_n += force;
+      reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);
+    }
+    out.push_back(reaction);
+  }
+  return out;
+}
+
+}  // namespace supple

@@ -1,0 +1,286 @@
+#include "lib/fem/voxel/fem.h"
+
+#include <chrono>
+
+#include "lib/fem/conjugate_gradients.h"
+#include "lib/fem/newton.h"
+#include "lib/fem/peers/calculix.h"
+#include "lib/fem/peers/dolfinx.h"
+#include "lib/fem/voxel/coarse_elements.h"
+#include "lib/fem/voxel/fem_results.h"
+#include "lib/fem/voxel/loose_islands.h"
+#include "lib/fem/voxel/voxel_systems.h"
+#include "volumes/base/stopwatch.h"
+#include "volumes/base/units.h"
+
+namespace supple {
+
+struct FemModel::Parts {
+  VoxelMaterial material;
+  MeshLevels levels;
+  HexOperator stiffness;
+
+  Parts(VoxelMaterial of, HexMesh mesh, Progress* progress)
+      : material(std::move(of)),
+        levels(std::move(mesh), progress),
+        stiffness(levels.meshes[0], material) {}
+
+  std::size_t bytes() const {
+    return material.classes.capacity() + levels.bytes() + stiffness.bytes();
+  }
+};
+
+namespace {
+
+void require(bool holds, const char* field, double found, const char* expected) {
+  if (!holds) throw InputError({"", field, number_text(found), expected});
+}
+
+/// Held nodes stay prescribed. A start of another mesh does not count.
+void begin_from(const NodeStart& start_mm, NodalLoads& loads) {
+  if (start_mm.size() != loads.u_mm.size()) return;
+  for (std::size_t n = 0; n < loads.u_mm.size(); ++n) {
+    if ((loads.held[n / 3] >> n % 3 & 1) == 0) loads.u_mm[n] = double(start_mm[n]);
+  }
+}
+
+}  // namespace
+
+FemModel::FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation,
+                   Progress* progress) {
+  stage(progress, "finite elements");
+  m_parts = std::make_unique<Parts>(voxel_material(body, elastic, dilatation),
+                                    hex_mesh(body, progress), progress);
+}
+
+FemModel::~FemModel() = default;
+
+const HexMesh& FemModel::mesh() const {
+  return m_parts->levels.meshes[0];
+}
+const VoxelMaterial& FemModel::material() const {
+  return m_parts->material;
+}
+
+const HexOperator& FemModel::stiffness() const {
+  return m_parts->stiffness;
+}
+const MeshLevels& FemModel::levels() const {
+  return m_parts->levels;
+}
+std::size_t FemModel::bytes() const {
+  return m_parts->bytes();
+}
+
+std::vector<Vec3d> FemModel::node_positions() const {
+  return supple::node_positions(mesh());
+}
+std::vector<Vec3d> FemModel::node_positions(const std::vector<NodeIndex>& nodes) const {
+  return supple::node_positions(mesh(), nodes);
+}
+NodePieces FemModel::node_pieces() const {
+  Islands islands = find_islands(mesh());
+  return {std::move(islands.of_node), islands.count};
+}
+LooseCount FemModel::hold_loose(bool holds, HeldBits& held) const {
+  return hold_loose_islands(mesh(), holds, held);
+}
+
+const Operator& FemModel::matrix() const {
+  return m_parts->stiffness;
+}
+std::unique_ptr<Operator> FemModel::weighted(const ElementWeights& weights) const {
+  return std::make_unique<WeightedOperator>(mesh(), weighted_material(material(), weights));
+}
+std::unique_ptr<LinearSystem> FemModel::system(const ElementWeights* weights, const HeldBits& held,
+                                               Progress* progress) const {
+  if (weights == nullptr) {
+    return std::make_unique<VoxelSystem>(levels(), stiffness(), material(), held, progress);
+  }
+  return std::make_unique<VoxelSystem>(
+      levels(), std::make_unique<WeightedOperator>(mesh(), weighted_material(material(), *weights)),
+      held, progress);
+}
+
+void FemModel::apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const {
+  force_mn.assign(u_mm.size(), 0);
+  m_parts->stiffness.add(u_mm.data(), force_mn.data());
+}
+
+FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Progress* progress,
+                            const NodeStart* start_mm) const {
+  params.validate();
+  const auto start = std::chrono::steady_clock::now();
+  poll(progress);
+  NodalLoads nodal = nodal_loads(mesh(), material(), loads, params.strain);
+  FemSolution out;
+  FemReport& report = out.report;
+  report.elements = mesh().element_count();
+  report.nodes = mesh().node_count();
+  const LooseCount loose =
+      hold_loose_islands(mesh(), params.loose == LooseIslands::hold, nodal.held);
+  poll(progress);
+  report.islands = loose.islands;
+  report.loose_islands = loose.loose_islands;
+  report.loose_elements = loose.loose_elements;
+  if (loose.loose_islands > 0 && params.loose == LooseIslands::refuse) {
+    throw InputError({"", "finite elements",
+                      std::to_string(loose.loose_islands) + " pieces of " +
+                          std::to_string(loose.loose_elements) + " elements that nothing holds",
+                      "every piece held so that it cannot move as a rigid body"});
+  }
+  for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
+  if (params.strain == StrainTheory::linear) {
+    nodal.within_held_mn = forces_within_held(mesh(), material(), nodal);
+    if (start_mm != nullptr) begin_from(*start_mm, nodal);
+  }
+  report.setup_ms = ms_since(start);
+  if (params.solver != EquationSolver::multigrid) {
+    solve_by_peer(nodal, params, progress, out);
+  } else if (params.doublings > 0) {
+    solve_coarse(nodal, params, progress, out);
+  } else if (params.strain == StrainTheory::linear) {
+    solve_linear(nodal, params, progress, out);
+  } else {
+    solve_finite(nodal, params, progress, out);
+  }
+  return out;
+}
+
+void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
+                            FemSolution& out) const {
+  FemReport& report = out.report;
+  const auto start = std::chrono::steady_clock::now();
+  VoxelSystem system(levels(), stiffness(), material(), loads.held, progress);
+  report.levels = system.level_count();
+  report.setup_ms += ms_since(start);
+
+  stage(progress, "solving");
+  ConjugateGradients solver(system, loads,
+                            {params.tolerance, params.reaction_tolerance, params.max_iterations});
+  report.bytes = m_parts->bytes() + system.bytes() + solver.bytes();
+  run_linear(solver, loads, params, progress, out);
+}
+
+PeerProblem FemModel::peer_problem() const {
+  PeerProblem problem{node_positions(), {}, material().classes, material().moduli};
+  problem.is_pointwise = material().matrix.dilatation == Dilatation::pointwise;
+  problem.is_mirrored = mesh().geometry.determinant() < 0;
+  problem.stiffness = &matrix();
+  for (std::size_t b = 0; b < mesh().block_count(); ++b) {
+    for (auto e = mesh().element_begin[b]; e < mesh().element_begin[b + 1]; ++e) {
+      problem.corners.push_back(mesh().corners_in(b, e));
+    }
+  }
+  return problem;
+}
+
+void FemModel::solve_by_peer(NodalLoads& loads, const FemParams& params, Progress* progress,
+                             FemSolution& out) const {
+  const bool is_dolfinx = params.solver == EquationSolver::dolfinx;
+  const PeerProblem problem = peer_problem();
+  std::unique_ptr<PeerSolver> solver;
+  if (is_dolfinx) {
+    solver =
+        std::make_unique<DolfinxSolver>(problem, loads, params.tolerance, params.max_iterations);
+  } else {
+    solver = std::make_unique<CalculixSolver>(problem, loads,
+                                              params.solver == EquationSolver::calculix_iterative);
+  }
+  run_linear(*solver, loads, params, progress, out);
+  out.report.bytes = m_parts->bytes() + solver->bytes();
+  out.report.setup_ms += solver->start_ms();
+  out.report.solve_ms -= solver->start_ms();
+  if (out.report.residual_max <= params.tolerance) return;
+  const std::string name = is_dolfinx ? "DOLFINx" : "CalculiX";
+  warn(progress, "finite elements: " + name + " left forces of up to " +
+                     number_text(100 * out.report.residual_max) +
+                     " % of the largest on nodes, more than the tolerance of " +
+                     number_text(100 * params.tolerance) + " %");
+}
+
+void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
+                            FemSolution& out) const {
+  FemReport& report = out.report;
+  const int most = int(levels().meshes.size()) - 1;
+  require(params.doublings <= most, "coarsen", params.doublings,
+          ("at most " + std::to_string(most) + " for so few elements").c_str());
+  const auto start = std::chrono::steady_clock::now();
+  Multigrid multigrid(levels(), stiffness(), material(), loads.held, {}, progress,
+                      params.doublings);
+  const HexMesh& coarse = levels().meshes[std::size_t(params.doublings)];
+  report.elements = coarse.element_count();
+  report.nodes = coarse.node_count();
+  report.unknowns = 3 * report.nodes;
+  report.levels = multigrid.level_count() - params.doublings;
+  report.setup_ms += ms_since(start);
+
+  stage(progress, "solving");
+  CoarseElements solver(stiffness(), multigrid, params.doublings, loads,
+                        {params.tolerance, params.reaction_tolerance, params.max_iterations});
+  report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
+  run_linear(solver, loads, params, progress, out);
+}
+
+namespace {
+
+template <class Solver>
+bool run_told(Solver& solver, Progress* progress) {
+  return solver.run(progress, progress);
+}
+/// Other programs do not tell how far they are.
+bool run_told(PeerSolver& solver, Progress* progress) {
+  return solver.run(progress);
+}
+
+}  // namespace
+
+template <class Solver>
+void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
+                          Progress* progress, FemSolution& out) const {
+  FemReport& report = out.report;
+  const auto start = std::chrono::steady_clock::now();
+  const bool converged = run_told(solver, progress);
+  report.iterations = solver.iterations();
+  note(solver.size(), report);
+  report.solve_ms = ms_since(start);
+  if (!converged) throw NotConverged(report);
+  balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
+  out.reactions = reactions_of(*this, loads, solver.residual());
+  note(largest_motion(mesh(), material(), solver.u(), params.strain, limits_of(params)), report);
+  report.beyond_linear = report.beyond_elements > 0;
+  out.u_mm = solver.take_u();
+}
+
+void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
+                            FemSolution& out) const {
+  FemReport& report = out.report;
+  const auto start = std::chrono::steady_clock::now();
+  Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), loads.held, {}, progress);
+  const FiniteStrain strain(mesh(), material(), loads.swelling_kpa);
+  report.levels = multigrid.level_count();
+  report.setup_ms += ms_since(start);
+
+  stage(progress, "solving");
+  const auto solve_start = std::chrono::steady_clock::now();
+  NewtonLimits limits;
+  limits.tolerance = params.tolerance;
+  limits.reaction_tolerance = params.reaction_tolerance;
+  limits.max_cg_iterations = params.max_iterations;
+  const FiniteVoxels voxels(mesh(), strain, material(), multigrid, loads.held);
+  Newton solver(*this, voxels, loads, limits);
+  const bool converged = solver.run(progress);
+  report.newton = solver.report();
+  report.iterations = solver.report().cg_iterations;
+  note(solver.size(), report);
+  report.bytes = m_parts->bytes() + multigrid.bytes() + strain.bytes() + solver.bytes();
+  report.solve_ms = ms_since(solve_start);
+  if (!converged) throw NotConverged(report);
+  balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
+  report.energy_mj = solver.report().energy_uj * kMjPerUj;
+  out.reactions = reactions_of(*this, loads, solver.residual(), &solver.u());
+  note(largest_motion(mesh(), material(), solver.u(), params.strain, limits_of(params)), report);
+  out.u_mm = solver.take_u();
+}
+
+}  // namespace supple

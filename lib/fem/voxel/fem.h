@@ -1,0 +1,91 @@
+// Voxel finite elements: isotropic elasticity of a body, linear or at finite strain, one trilinear
+// hexahedron per element voxel (design.md section 6; docs/models/fem.md).
+//
+//   find u with  K u = f,  u prescribed where something is held,
+//   K = sum over elements of  integral B^T D B,  D from Young's modulus E and Poisson's ratio nu
+//
+// At finite strain K(u) = f, with the neo-Hookean energy of finite_strain.h, whose K(u) is K u for
+// small u; solved by Newton's method in steps of the load (newton.h).
+//
+// Nodes lie at voxel corners, in LPS mm. A corner around which the elements fall into several
+// pieces (pieces are joined over faces whose link is not cut) has one node per piece, so that cuts
+// open and voxels that touch by an edge or corner alone are not joined. Forces are in mN inside
+// (kPa mm^2) and in N in reports.
+//
+// Solver: conjugate gradients in double precision, preconditioned by one geometric multigrid cycle
+// in single precision (multigrid.h). Results do not depend on the number of threads.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "lib/body/body.h"
+#include "lib/fem/elastic_solid.h"
+#include "lib/fem/fem_report.h"
+#include "lib/fem/voxel/fem_loads.h"
+#include "lib/fem/voxel/hex_mesh.h"
+#include "lib/fem/voxel/voxel_material.h"
+#include "volumes/base/progress.h"
+
+namespace supple {
+
+class HexOperator;
+struct MeshLevels;
+struct PeerProblem;
+
+/// A body with elastic constants, ready for any number of solves. Keeps nothing of the body but its
+/// shape, cuts and classes.
+class FemModel final : public ElasticSolid {
+ public:
+  /// Throws InputError: a value of `elastic` out of range, a body without elements.
+  FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation = Dilatation::mean,
+           Progress* progress = nullptr);
+  ~FemModel() override;
+
+  const HexMesh& mesh() const;
+  const VoxelMaterial& material() const;
+
+  /// Throws InputError (a value out of range, loose islands that are refused, a solver that is not
+  /// installed), NotConverged, Error of another solver, Cancelled.
+  /// `start`: of the mesh's nodes, to begin from; null: rest. Finite strain begins at rest.
+  FemSolution solve(const FemLoads& loads, const FemParams& params = {},
+                    Progress* progress = nullptr, const NodeStart* start = nullptr) const;
+
+  /// K u in mN, three per node: the linear operator as it is, for checks and other solvers.
+  void apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const;
+
+  const HexOperator& stiffness() const;
+  /// The meshes of the multigrid cycle.
+  const MeshLevels& levels() const;
+  /// Of these and of what they are made of.
+  std::size_t bytes() const override;
+
+  std::int64_t element_count() const override { return mesh().element_count(); }
+  std::int64_t node_count() const override { return mesh().node_count(); }
+  std::vector<Vec3d> node_positions() const override;
+  std::vector<Vec3d> node_positions(const std::vector<NodeIndex>& nodes) const override;
+  NodePieces node_pieces() const override;
+  LooseCount hold_loose(bool holds, HeldBits& held) const override;
+  const Operator& matrix() const override;
+  std::unique_ptr<Operator> weighted(const ElementWeights& weights) const override;
+  std::unique_ptr<LinearSystem> system(const ElementWeights* weights, const HeldBits& held,
+                                       Progress* progress) const override;
+
+ private:
+  struct Parts;
+  void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
+                    FemSolution& out) const;
+  PeerProblem peer_problem() const;
+  void solve_by_peer(NodalLoads& loads, const FemParams& params, Progress* progress,
+                     FemSolution& out) const;
+  void solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
+                    FemSolution& out) const;
+  template <class Solver>
+  void run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
+                  Progress* progress, FemSolution& out) const;
+  void solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
+                    FemSolution& out) const;
+  std::unique_ptr<Parts> m_parts;
+};
+
+}  // namespace supple

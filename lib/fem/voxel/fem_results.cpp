@@ -1,0 +1,165 @@
+#include "lib/fem/voxel/fem_results.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include "lib/fem/small_matrix.h"
+#include "lib/fem/voxel/fem.h"
+#include "lib/fem/voxel/finite_strain.h"
+#include "volumes/base/error.h"
+#include "volumes/base/units.h"
+
+namespace supple {
+
+namespace {
+
+/// du/dx at the centre of an element, rows are components; the mean of tr e is its trace.
+Matrix9 centre_gradient(const HexMesh& voxels, const VoxelMaterial& material,
+                        const std::vector<double>& u_mm, std::int32_t element) {
+  Matrix9 gradient{};
+  const Corners corners = voxels.corners(element);
+  for (std::size_t n = 0; n < 24; ++n) {
+    const double u = u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
+    for (std::size_t d = 0; d < 3; ++d) {
+      gradient[3 * (n % 3) + d] += u * material.matrix.gradient[3 * (n / 3) + d];
+    }
+  }
+  return gradient;
+}
+
+/// The symmetric part.
+SymmetricTensor symmetric(const Matrix9& a) {
+  return {a[0], a[4], a[8], (a[1] + a[3]) / 2, (a[5] + a[7]) / 2, (a[6] + a[2]) / 2};
+}
+
+/// Half the curl.
+Vec3d axial(const Matrix9& a) {
+  return {(a[7] - a[5]) / 2, (a[2] - a[6]) / 2, (a[3] - a[1]) / 2};
+}
+
+/// A B^T.
+Matrix9 times_transposed(const Matrix9& a, const Matrix9& b) {
+  Matrix9 out{};
+  for (std::size_t n = 0; n < 9; ++n) {
+    for (std::size_t m = 0; m < 3; ++m) out[n] += a[3 * (n / 3) + m] * b[3 * (n % 3) + m];
+  }
+  return out;
+}
+
+ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
+                          const std::vector<double>& u_mm, std::int32_t element) {
+  const Matrix9 gradient = centre_gradient(voxels, material, u_mm, element);
+  ElementState out;
+  out.strain = symmetric(gradient);
+  out.volume_strain = trace(out.strain);
+  out.rotation_rad = axial(gradient);
+  const std::uint8_t of = material.classes[element];
+  const double shear = material.moduli.shear[of], bulk = material.moduli.bulk[of];
+  for (int n = 0; n < 6; ++n) out.stress_kpa[n] = 2 * shear * out.strain[n];
+  const double volumetric = (bulk - 2 * shear / 3) * out.volume_strain;
+  for (int n = 0; n < 3; ++n) out.stress_kpa[n] += volumetric;
+  double local[24], energy = 0;
+  const Corners corners = voxels.corners(element);
+  for (int n = 0; n < 24; ++n) local[n] = u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
+  for (int n = 0; n < 24; ++n) {
+    double force = 0;
+    for (int m = 0; m < 24; ++m) {
+      force += (shear * material.matrix.shear[n][m] + bulk * material.matrix.bulk[n][m]) * local[m];
+    }
+    energy += local[n] * force / 2;
+  }
+  out.energy_density_kpa = energy / material.matrix.volume_mm3;
+  return out;
+}
+
+ElementState finite_state(const HexMesh& voxels, const VoxelMaterial& material,
+                          const std::vector<double>& u_mm, std::int32_t element) {
+  Matrix9 f = centre_gradient(voxels, material, u_mm, element);
+  for (std::size_t n = 0; n < 9; n += 4) f[n] += 1;
+  const Matrix9 rotation = rotation_of(f);
+  ElementState out;
+  out.strain = symmetric(times_transposed(f, rotation));
+  for (int n = 0; n < 3; ++n) out.strain[n] -= 1;
+  const Vec3d sine = axial(rotation);
+  const double angle = std::atan2(sine.length(), (rotation[0] + rotation[4] + rotation[8] - 1) / 2);
+  out.rotation_rad = sine.length() > 0 ? sine * (angle / sine.length()) : Vec3d(0);
+  const ElementEnergy energy = element_energy(voxels, material, u_mm, element);
+  out.volume_strain = energy.volume_change;
+  out.energy_density_kpa = energy.density_kpa;
+  // sigma = mu J^(-5/3) dev(F F^T) + kappa (theta - 1) 1.
+  const double J = determinant_of(f, cofactors(f));
+  const std::uint8_t of = material.classes[element];
+  const double shear = material.moduli.shear[of] * std::pow(J, -5.0 / 3);
+  const double dilatation =
+      material.matrix.dilatation == Dilatation::mean ? energy.volume_change : J - 1;
+  const SymmetricTensor b = symmetric(times_transposed(f, f));
+  for (int n = 0; n < 6; ++n) out.stress_kpa[n] = shear * b[n];
+  const double volumetric = material.moduli.bulk[of] * dilatation - shear * trace(b) / 3;
+  for (int n = 0; n < 3; ++n) out.stress_kpa[n] += volumetric;
+  return out;
+}
+
+}  // namespace
+
+ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
+                           const std::vector<double>& u_mm, std::int32_t element,
+                           StrainTheory theory) {
+  return theory == StrainTheory::linear ? linear_state(voxels, material, u_mm, element)
+                                        : finite_state(voxels, material, u_mm, element);
+}
+
+std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& material,
+                                  const std::vector<double>& u_mm, FemQuantity quantity,
+                                  StrainTheory theory) {
+  std::vector<float> values(voxels.offset.size());
+  tbb::parallel_for(
+      tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
+      [&](const tbb::blocked_range<std::int32_t>& range) {
+        for (std::int32_t e = range.begin(); e < range.end(); ++e) {
+          values[e] = float(value_of(element_state(voxels, material, u_mm, e, theory), quantity));
+        }
+      });
+  return values;
+}
+
+LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& material,
+                             const std::vector<double>& u_mm, StrainTheory theory,
+                             const MotionLimits& limits) {
+  const auto of_range = [&](const tbb::blocked_range<std::int32_t>& range, LargestMotion sum) {
+    for (std::int32_t e = range.begin(); e < range.end(); ++e) {
+      const ElementState state = element_state(voxels, material, u_mm, e, theory);
+      const std::array<double, 3> principal = eigenvalues(state.strain);
+      LargestMotion own;
+      own.rotation_deg = state.rotation_rad.length() * kDegreesPerRadian;
+      own.strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
+      own.beyond = own.rotation_deg > limits.rotation_deg || own.strain > limits.strain;
+      if (own.rotation_deg > sum.rotation_deg || own.strain > sum.strain) {
+        own.turned = own.strained = voxels.cell_of(e);
+      }
+      sum.take(own);
+    }
+    return sum;
+  };
+  const auto join = [](LargestMotion a, const LargestMotion& b) {
+    a.take(b);
+    return a;
+  };
+  return tbb::parallel_reduce(tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
+                              LargestMotion{}, of_range, join);
+}
+
+Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,
+                          std::int32_t element) {
+  Vec3d sum(0);
+  for (const NodeIndex node : voxels.corners(element)) {
+    const double* u = &u_mm[3 * std::size_t(node)];
+    sum += Vec3d(u[0], u[1], u[2]);
+  }
+  return sum / 8;
+}
+
+}  // namespace supple
