@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// The offsets of a body are the admissible ones until this goes.
+/// Makes the offsets of a body the admissible ones while this lives.
 class AdmissibleOffsets {
  public:
   explicit AdmissibleOffsets(Body& body);

@@ -16,7 +16,7 @@ namespace supple {
 
 namespace {
 
-/// Whether a link of this axis and classes can fold a cell, looked up like its slack.
+/// Table of the links, by axis and classes of both ends, that can fold a cell; like SlackTable.
 class FoldTable {
  public:
   explicit FoldTable(const Body& body) : m_stride(body.slacks.stride()) {

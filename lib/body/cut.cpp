@@ -16,7 +16,7 @@ constexpr std::int64_t kOne = std::int64_t(1) << 24;
 constexpr double kMaxVoxel = 131071;
 __extension__ using Wide = __int128;
 
-/// In 2^-24 voxel; no small integer combination of the three is 0.
+/// Shift of all vertices in 2^-24 voxel; no small integer combination of the three is 0.
 constexpr std::array<std::int64_t, 3> kShift = {499, 557, 619};
 
 using FixedPoint = std::array<std::int64_t, 3>;
@@ -66,7 +66,7 @@ class AxisCutter {
         m_v((axis + 2) % 3),
         m_crossed(crossed) {}
 
-  /// False when the triangle has no area in this projection: then no line crosses its inside.
+  /// Adds a triangle; false when it has no area in this projection: no line crosses its inside.
   bool add(FixedTriangle triangle) {
     const Wide area = cross(triangle[0], triangle[1], triangle[2], m_u, m_v);
     if (area == 0) return false;
@@ -148,13 +148,13 @@ PlanePatch with_margin(const PlanePatch& patch, const Geometry& geometry) {
   const Vec3d edge2 = geometry.index_vector_from_world(patch.edge2_lps_mm);
   const double area = edge1.cross(edge2).length();
   if (!(area > 0)) return patch;
-  // Over the heights of the parallelogram.
+  // The margin over the heights of the parallelogram.
   const double part1 = kMargin * edge2.length() / area, part2 = kMargin * edge1.length() / area;
   return {patch.corner_lps_mm - patch.edge1_lps_mm * part1 - patch.edge2_lps_mm * part2,
           patch.edge1_lps_mm * (1 + 2 * part1), patch.edge2_lps_mm * (1 + 2 * part2)};
 }
 
-/// Adds what was crossed to what was cut.
+/// Adds the crossed links to the cuts of the body.
 CutReport merge(const LinkCuts& crossed, Body& body) {
   CutReport report;
   report.crossed = crossed.count();

@@ -13,8 +13,8 @@ namespace supple {
 struct Bound {
   Slot slot;
   std::int32_t value;
-  /// The soft edge of a handle left it: a place that the element was asked to, not a tool beside
-  /// it.
+  /// True where the soft edge of a handle left the bound: a place that the element was asked to
+  /// take, not a tool beside it.
   bool asks = false;
 };
 

@@ -34,7 +34,7 @@ void add_bits(const BrickMask& mask, const LinkStep& step, HaloBits& out) {
   }
 }
 
-/// to |= links & (what `from` says of the voxel one step along the axis).
+/// to |= links & (the bit of `from` at the voxel one step along the axis).
 void add_path(const HaloBits& links, const HaloBits& from, int axis, bool positive, HaloBits& to) {
   const int rows = axis == 0 ? kRowsOfPlane : axis == 1 ? 1 : 0;
   const std::uint16_t* next = from.first() + (positive ? rows : -rows);
@@ -62,7 +62,7 @@ BrickMask own_bits(const HaloBits& halo) {
   return mask;
 }
 
-/// Links along the axes, both ways.
+/// Finds the links along the axes, both ways.
 void find_axis_links(const BrickTopology& elements, const LinkCuts& cuts,
                      const BrickNeighbours& bricks, std::array<HaloBits, kDirections>& links) {
   HaloBits present, all;
@@ -95,7 +95,7 @@ void find_axis_links(const BrickTopology& elements, const LinkCuts& cuts,
   }
 }
 
-/// Nothing but elements in the brick and around it, and no cut.
+/// True where the brick and all bricks around it are full of elements and have no cut.
 bool is_inside(const BrickTopology& elements, const LinkCuts& cuts, const BrickNeighbours& bricks) {
   return std::all_of(bricks.begin(), bricks.end(), [&](std::int32_t brick) {
     return brick >= 0 && elements.mask(std::size_t(brick)) == kAllVoxels &&

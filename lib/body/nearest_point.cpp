@@ -22,8 +22,8 @@ double dot(const Vec6& a, const Vec6& b) {
   return sum;
 }
 
-/// What of a row is no combination of the active rows, by Gram and Schmidt, each twice; `parts` of
-/// the rows give the rest of it.
+/// Returns the part of a row that is no combination of the active rows (Gram-Schmidt, each twice),
+/// and in `parts` the factors by which the active rows make up the rest of it.
 Vec6 NearestPoint::combined_from(const Vec6& row, std::vector<double>& parts) const {
   const std::size_t count = m_active.size();
   std::vector<Vec6> axes;

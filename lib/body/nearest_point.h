@@ -37,9 +37,9 @@ class NearestPoint {
 
 /// Lower triangle L of a symmetric matrix L L^T; false where that is not positive.
 bool factorize(std::array<Vec6, 6>& matrix);
-/// x of L x = b.
+/// Solves L x = b for x.
 Vec6 solve_lower(const std::array<Vec6, 6>& lower, Vec6 b);
-/// x of L^T x = b.
+/// Solves L^T x = b for x.
 Vec6 solve_upper(const std::array<Vec6, 6>& lower, Vec6 b);
 
 }  // namespace supple

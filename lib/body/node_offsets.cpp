@@ -32,7 +32,7 @@ NodeOffsets::NodeOffsets(const Body& body)
       m_fraction(body.fraction),
       m_velocity(body.velocity_mm_s) {}
 
-/// Whether it was another value before.
+/// Stores the value of a slot; returns true where it was another one before.
 template <class T>
 bool NodeOffsets::set(BrickArray<T>& values, Slot slot, T value) {
   if (values.at(slot) == value) return false;

@@ -11,18 +11,18 @@ namespace supple {
 
 class NodeOffsets {
  public:
-  /// Starts from what the body has.
+  /// Starts from the present offsets and velocities of the body.
   explicit NodeOffsets(const Body& body);
 
-  /// In voxels of the coordinate's axis, rounded to 2^-32 of them. Throws InputError beyond +-16383
-  /// voxels. Returns the rounding in voxels.
+  /// Sets an offset in voxels of the coordinate's axis, rounded to 2^-32 voxel. Throws InputError
+  /// beyond +-16383 voxels. Returns the rounding in voxels.
   double set_offset(int c, Slot slot, double voxels);
-  /// In 2^-16 voxel, without fraction.
+  /// Sets an offset in 2^-16 voxel, without fraction.
   void set_whole(int c, Slot slot, std::int32_t q);
   void set_velocity(int c, Slot slot, double mm_s);
 
-  /// Velocities and fractions that are all 0 take no memory in the body. Unless nothing moved,
-  /// links are not known to be valid afterwards (check_links, project).
+  /// Gives all to the body; velocities and fractions that are all 0 take no memory there. Unless
+  /// nothing moved, links are not known to be valid afterwards (check_links, project).
   void give(Body& body);
 
  private:

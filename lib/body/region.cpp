@@ -20,7 +20,7 @@ SlotSet slots_at(const Body& body, const std::vector<Vec3i>& voxels, const std::
   return SlotSet(std::move(slots));
 }
 
-/// Any voxel of it, from which to look for the nearest element.
+/// Any voxel of a box or a mask, from which to look for the nearest element.
 Vec3i some_voxel(const Region& region) {
   if (region.box() != nullptr) return region.box()->lo;
   Vec3i voxel(0);

@@ -33,9 +33,9 @@ class Region {
   }
   bool operator!=(const Region& other) const { return !(*this == other); }
 
-  /// As the user wrote it.
+  /// The name as the user wrote it.
   std::string name() const;
-  /// Which of the three it is; the others are null.
+  /// The shape of the region: one of these three, the others are null.
   const IndexBox* box() const { return std::get_if<IndexBox>(&m_shape); }
   const std::vector<Vec3i>* points() const { return std::get_if<std::vector<Vec3i>>(&m_shape); }
   const Mask* mask() const { return std::get_if<Mask>(&m_shape); }
@@ -53,10 +53,10 @@ class Region {
 /// is void; it says where the nearest element is.
 SlotSet elements_of(const Body& body, const Region& region, const std::string& role);
 
-/// "i,j,k", as on the command line.
+/// The text "i,j,k" of a voxel, as users write it.
 std::string voxel_text(const Vec3i& voxel);
 
-/// "the nearest is i,j,k, D mm away", or that the body is empty.
+/// The text "the nearest is i,j,k, D mm away", or that the body is empty.
 std::string nearest_text(const Body& body, const Vec3i& voxel);
 
 }  // namespace supple

@@ -120,7 +120,7 @@ RigidMotion RigidFit::motion() const {
   diagonalize(matrix, vectors);
   double largest = matrix[0][0];
   for (int n = 1; n < 4; ++n) largest = std::max(largest, matrix[n][n]);
-  // Of all turns that fit equally well the one nearest to none.
+  // Take, of all turns that fit equally well, the one nearest to no turn.
   const double tolerance = 1e-12 * m_square;
   Turn turn{0, {0, 0, 0}};
   for (int n = 0; n < 4; ++n) {

@@ -30,8 +30,8 @@ struct RigidMotion {
   RigidMotion part(double fraction) const;
 };
 
-/// Where a piece is: turned about its centre at rest, then shifted along the grid in whole units of
-/// q, so that shifts of the solver are kept exactly.
+/// Pose of a piece: it is turned about its centre at rest, then shifted along the grid in whole
+/// units of q, so that shifts of the solver are kept exactly.
 struct RigidPose {
   Turn turn;  // in LPS
   std::array<std::int64_t, 3> shift_q{0, 0, 0};
@@ -46,8 +46,8 @@ struct RigidPiece {
   std::shared_ptr<const SlotSet> elements;
   Vec3d centre_index{0, 0, 0};  // mean of its elements at rest
   RigidPose pose;
-  /// While tissue has only shifted the piece: where it was before, and where its smallest motion is
-  /// to start (StepRequest::shift_pieces).
+  /// Set while tissue has only shifted the piece: the pose before that, from which its smallest
+  /// motion is to start (StepRequest::shift_pieces).
   std::optional<RigidPose> shifted_from = {};
 
   const RigidPose& motion_starts_at() const { return shifted_from ? *shifted_from : pose; }
@@ -84,7 +84,7 @@ RigidPose moved_by(const RigidMotion& motion, const RigidPiece& piece, const Geo
 class RigidFit {
  public:
   void add(const Vec3d& from_lps_mm, const Vec3d& to_lps_mm);
-  /// Of at least one point.
+  /// The best motion for the points added so far, of which there must be one at least.
   RigidMotion motion() const;
 
  private:

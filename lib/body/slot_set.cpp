@@ -16,7 +16,7 @@ BrickMask both(const BrickMask& a, const BrickMask& b) {
   return mask;
 }
 
-/// `box` in voxels of the whole; word i of a mask holds the bits (j << 3 | k).
+/// Part of a brick inside `box`, in voxels of the whole; word i of a mask holds bits (j << 3 | k).
 BrickMask mask_of_box(const Vec3i& origin, const IndexBox& box) {
   const Vec3i lo = box.lo - origin, hi = box.hi - origin;
   const auto within = [](int local, int first, int last) {

@@ -17,9 +17,10 @@ class SlotSet {
   };
 
   SlotSet() = default;
-  /// Any order; masks of the same brick are united, empty ones dropped. O(n log n) in bricks.
+  /// Takes bricks in any order: masks of the same brick are united, empty ones dropped. O(n log n)
+  /// in bricks.
   explicit SlotSet(std::vector<Brick> bricks);
-  /// Any order, duplicates allowed.
+  /// Takes slots in any order, duplicates allowed.
   explicit SlotSet(std::vector<Slot> slots);
 
   bool empty() const { return m_bricks.empty(); }

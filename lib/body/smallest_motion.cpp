@@ -13,12 +13,12 @@ namespace supple {
 
 namespace {
 
-/// What rounding may take: shift, turn and present offset half a unit each.
+/// Margin for the rounding of shift, turn and present offset, half a unit of q each.
 constexpr double kRoundingVoxels = 2.0 / kFixedOne;
 constexpr double kConvergedVoxels = 1e-6;
 constexpr int kMostIterations = 40;
 constexpr int kMostConstraints = 1000;  // some dozens are usual
-/// A step too long to be linear goes a part of its way.
+/// Longest turn of a step, radians: one that turns more is not linear and goes a part of its way.
 constexpr double kLongestTurn = 0.3;
 
 Vec3d unit_of(int axis) {
@@ -170,7 +170,7 @@ class MotionSearch {
     return true;
   }
 
-  /// The first bound counts where several are missed by equally much.
+  /// The bound that is missed by most, in voxels; the first one where several are missed alike.
   struct Violation {
     double missing = kRoundingVoxels / 4;
     std::size_t element = 0;

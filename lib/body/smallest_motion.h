@@ -20,7 +20,7 @@
 
 namespace supple {
 
-/// Where an element of a piece may be.
+/// Bounds of the offsets of one element of a piece.
 struct ElementBounds {
   static constexpr std::int32_t kNone = INT32_MAX;  // of `most`; -kNone of `least`
   Slot slot;

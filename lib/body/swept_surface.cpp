@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kPiecesPerSegment = 16;
 
-/// Those of equal neighbours once.
+/// The points of a curve; of equal ones in a row only the first.
 std::vector<Vec3d> different_points(const std::vector<Vec3d>& points) {
   std::vector<Vec3d> different;
   for (const Vec3d& point : points) {
@@ -17,7 +17,7 @@ std::vector<Vec3d> different_points(const std::vector<Vec3d>& points) {
   return different;
 }
 
-/// Catmull-Rom; beyond the ends the curve goes on as it begins.
+/// Samples the Catmull-Rom curve through the points, which goes on straight beyond its ends.
 std::vector<Vec3d> smooth_curve(const std::vector<Vec3d>& p) {
   const std::size_t last = p.size() - 1;
   std::vector<Vec3d> curve;
