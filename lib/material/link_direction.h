@@ -34,7 +34,7 @@ constexpr int axis_of_direction(int direction) {
 constexpr bool is_diagonal(int direction) {
   return axes_of_direction(direction) > 1;
 }
-/// Whether a body of 6, 18 or 26 links per voxel has links of that direction.
+/// True where a body of 6, 18 or 26 links per voxel has links of that direction.
 constexpr bool has_direction(int links, int direction) {
   const int axes = axes_of_direction(direction);
   return axes >= 1 && axes <= (links == 6 ? 1 : links == 18 ? 2 : 3);

@@ -62,7 +62,7 @@ void validate_table(const std::string& file, const std::string& prefix, const Li
   }
 }
 
-/// One line per key point that falls into the class of the one before.
+/// Adds a line per key point that falls into the class of the one before.
 void warn_of_shared_classes(const std::string& name,
                             const std::vector<std::pair<double, double>>& keys,
                             const MaterialClasses& classes, const MaterialClasses::Share& share,
@@ -78,7 +78,7 @@ void warn_of_shared_classes(const std::string& name,
   }
 }
 
-/// One line per table that leaves to a default what another table gives: a rigid label among
+/// Adds a line per table that leaves to a default what another table gives: a rigid label among
 /// tissues would be the softest of them.
 void warn_of_missing_column(const std::string& column, std::optional<Curve> LimitTable::*curve,
                             const std::string& value, const MaterialClasses& classes,

@@ -18,7 +18,7 @@
 
 namespace supple {
 
-/// Piecewise linear through (density, value) key points; constant beyond them.
+/// Curve that is piecewise linear through (density, value) key points, constant beyond them.
 struct Curve {
   std::vector<std::pair<double, double>> keys;
   double operator()(double density) const;
@@ -26,7 +26,7 @@ struct Curve {
 
 enum class Combine { density, limits };
 
-/// Beyond it pressure is lost among the digits of displacements.
+/// Largest Poisson's ratio: beyond it pressure is lost among the digits of displacements.
 constexpr double kLargestPoisson = 0.4999;
 
 /// Classes are 0…kLastClass.
@@ -76,7 +76,7 @@ struct NamedCurve {
   bool open;
   const char* expected;
 };
-/// All that the table has.
+/// All curves that the table has.
 std::vector<NamedCurve> curves_of(const LimitTable& table);
 
 /// The table as the user wrote it.
@@ -106,7 +106,7 @@ struct MaterialTable : LimitTable {
   /// Links take the mean of both ends' limits; tables of labels always do.
   bool combines_limits() const { return combine == Combine::limits || !labels.empty(); }
 
-  /// Whether the common table or one of a label gives the curve.
+  /// True where the common table or one of a label gives the curve.
   bool has_stiffness() const { return has(&LimitTable::stiffness); }
   bool has_poisson() const { return has(&LimitTable::poisson); }
   bool has_mass_density() const { return has(&LimitTable::mass_density); }
@@ -139,16 +139,16 @@ inline LinkLimits mean_of(const LinkLimits& a, const LinkLimits& b) {
           (a.shear1 + b.shear1) / 2, (a.shear2 + b.shear2) / 2};
 }
 
-/// How one link resists; see the curves of LimitTable.
+/// Resistance of one link; see the curves of LimitTable.
 struct LinkPhysics {
   double stiffness_kpa;
   double rayleigh_beta_ms;
   double yield_strain;  // infinity: elastic however far
 };
 
-/// How the 256 classes are shared out. Without labels the common table has them all. With labels, a
-/// table whose limits are constant takes one class and the others share the rest equally, the
-/// common table first, then by ascending label.
+/// The shares of tables in the 256 classes. Without labels the common table has them all. With
+/// labels, a table whose limits are constant takes one class and the others share the rest equally,
+/// the common table first, then by ascending label.
 class MaterialClasses {
  public:
   /// The material must outlive this. Throws InputError when there are too many tables: every one
@@ -173,9 +173,9 @@ class MaterialClasses {
   /// only if both ends do.
   LinkPhysics physics(int class_a, int class_b) const;
 
-  /// kg/m³ of an element of this class; kDefaultMassDensity where its table has no curve.
+  /// Density, kg/m³, of an element of this class; kDefaultMassDensity where its table has none.
   double mass_density_of_class(int of) const;
-  /// Likewise; kDefaultPoisson.
+  /// Poisson's ratio of an element of this class; kDefaultPoisson where its table has no curve.
   double poisson_of_class(int of) const;
 
   struct Share {
@@ -210,7 +210,7 @@ void MaterialClasses::for_each_pair(int axis, Visit&& visit) const {
   }
 }
 
-/// As MaterialClasses::limits, for a few links.
+/// The limits of MaterialClasses::limits, for a few links.
 LinkLimits limits_of(const MaterialTable& table, int axis, int class_a, int class_b);
 
 /// Integer slack of a link a -> b in the positive direction of `axis`, per coordinate c:
@@ -237,8 +237,8 @@ std::int32_t fixed_slack(double length);
 class SlackTable {
  public:
   SlackTable() = default;
-  /// Own axis: upper = max_length - 1, lower = 1 - min_length. Transverse: shear * h_axis mm is
-  /// that many voxels of the coordinate's own axis, both ways.
+  /// Slacks along the own axis: upper = max_length - 1, lower = 1 - min_length. Transverse: shear *
+  /// h_axis mm is that many voxels of the coordinate's own axis, both ways.
   SlackTable(const MaterialTable& table, const Vec3d& spacing_mm);
 
   LinkSlack slack(int axis, std::uint8_t class_a, std::uint8_t class_b) const;
@@ -265,7 +265,7 @@ class SlackTable {
                     std::uint8_t class_b) const {
     return fall_row(direction, coordinate)[class_a * m_stride + class_b];
   }
-  /// 6, 18 or 26 per voxel.
+  /// Links per voxel: 6, 18 or 26.
   int links() const { return m_links; }
   int stride() const { return m_stride; }
   std::size_t bytes() const;

@@ -34,7 +34,7 @@ void read_range(TomlTable& table, const std::string& key, double& lo, double& hi
   hi = (*values)[1];
 }
 
-/// [LO, HI] or "foreground"; a preset's choice where the table has none.
+/// Reads [LO, HI] or "foreground"; a preset's choice where the table has none.
 void read_active(TomlTable& table, const MaterialTable* tissue, MaterialTable& material) {
   material.active_lo = material.domain_lo;
   material.active_hi = material.domain_hi;
@@ -58,7 +58,7 @@ Combine read_combine(TomlTable& table) {
   table.fail("combine", "\"" + name + "\"", "\"density\" or \"limits\"");
 }
 
-/// true, false or "poisson".
+/// Reads true, false or "poisson".
 void read_relax(TomlTable& table, MaterialTable& material) {
   try {
     material.relaxes = table.boolean("relax").value_or(material.relaxes);
@@ -132,8 +132,8 @@ void know_limits(TomlTable& table) {
   for (const PhysicalColumn& column : kPhysicalColumns) table.know({column.name});
 }
 
-/// What keys that are not given count as: the curves of the preset, or none. `tissue`: the table of
-/// a tissue preset, which only the common table can have.
+/// Reads the curves that stand for keys that are not given: those of the preset, or none. `tissue`:
+/// the table of a tissue preset, which only the common table can have.
 LimitTable read_preset(TomlTable& table, const LimitTable& limits, const MaterialTable* tissue) {
   const auto name = table.string("preset");
   if (!name) return {};
@@ -145,7 +145,7 @@ LimitTable read_preset(TomlTable& table, const LimitTable& limits, const Materia
   }
 }
 
-/// Curves over the domain of `limits`.
+/// Reads curves over the domain of `limits`.
 void read_curves(TomlTable& table, LimitTable& limits, const MaterialTable* tissue = nullptr) {
   const std::string pairs = "a list of [density, value] pairs";
   const LimitTable preset = read_preset(table, limits, tissue);
@@ -177,8 +177,8 @@ void read_curves(TomlTable& table, LimitTable& limits, const MaterialTable* tiss
   }
 }
 
-/// [label.N] tables, N a number or a name, each with the domain of `material` unless it has its
-/// own.
+/// Reads [label.N] tables, N a number or a name, each with the domain of `material` unless it has
+/// its own.
 void read_labels(TomlTable& labels, const LabelNames& names, MaterialTable& material) {
   for (const std::string& key : labels.keys()) {
     const auto label = find_label(names, key);

@@ -32,7 +32,7 @@ const std::vector<MaterialPreset>& material_presets() {
 
 // Limits are not measured ones, as above. Soft tissue gives more than "soft-tissue" does, since
 // bone is rigid: a push must find room in front of it, and a turn of bone shears what it encloses.
-// With min_length < 2 · shear cells may fold in CT.
+// Cells may fold in CT, where min_length < 2 · shear.
 //
 // Stiffness: fat 3.25 kPa (Samani, Zubovits and Plewes 2007, as above); skin in vivo 4.5 to 8 kPa
 // (Pailler-Mattei, Bec and Zahouani, Med. Eng. Phys. 30, 599-606, 2008), of which 6 stands for

@@ -37,7 +37,7 @@ struct TissuePreset {
   const char* table;
 };
 const std::vector<TissuePreset>& tissue_presets();
-/// Null where there is none of that name.
+/// The tissue preset of that name; null where there is none.
 const TissuePreset* find_tissue_preset(const std::string& name);
 /// All presets in quotes, separated by commas.
 std::string all_preset_names();

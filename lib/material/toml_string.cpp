@@ -29,7 +29,7 @@ std::size_t character_at(const std::string& text, std::size_t at) {
   for (std::size_t n = 1; n < length; ++n) {
     if ((byte(n) & 0xC0) != 0x80) return 0;
   }
-  // Longer than need be, surrogates, and beyond the last plane.
+  // Refuse forms longer than need be, surrogates, and code points beyond the last plane.
   if (byte(0) == 0xE0 && byte(1) < 0xA0) return 0;
   if (byte(0) == 0xED && byte(1) > 0x9F) return 0;
   if (byte(0) == 0xF0 && byte(1) < 0x90) return 0;

@@ -44,25 +44,25 @@ class TomlTable {
   std::string present_name(const std::string& key, const std::string& former);
   /// Keys that were read by their former names, of the whole file: one line each.
   const std::vector<std::string>& warnings() const { return m_file_data->warnings; }
-  /// Asks before any input that the file names is read, also by files that it names in turn; what
-  /// it throws refuses the input.
+  /// Asks before any input that the file names is read, also by files that it names in turn; an
+  /// error that it throws refuses the input.
   using Admits = std::function<void(const std::string& path)>;
   void admit_inputs(Admits admits) { m_file_data->admits = std::move(admits); }
   const Admits& admits() const { return m_file_data->admits; }
   /// The root of the file that the key names.
   TomlTable named_file(const std::string& key);
-  /// Adds those of a file that this one names.
+  /// Adds the warnings of a file that this one names.
   void take_warnings(const TomlTable& other);
 
   /// Declares keys, so that an unknown one is reported before a missing one.
   void know(std::initializer_list<const char*> keys) { m_known.insert(keys.begin(), keys.end()); }
-  /// Also makes the key a known one.
+  /// True where the table has the key; also makes it a known one.
   bool has(const std::string& key) { return find(key) != nullptr; }
-  /// Also makes the key a known one.
+  /// True where the key has a string; also makes it a known one.
   bool is_string(const std::string& key);
   /// True for a list whose first value is a string.
   bool is_list_of_strings(const std::string& key);
-  /// "file:line", of the key or of the table.
+  /// The place "file:line" of the key or of the table.
   std::string place(const std::string& key = "") const;
   const std::string& file() const { return m_file_data->path; }
   /// Full name of a key, e.g. "step[2].grab", or the option behind it.
@@ -94,7 +94,7 @@ class TomlTable {
   /// The files that path() and paths() have given so far: by key and text the absolute path.
   using Inputs = std::map<std::pair<std::string, std::string>, std::string>;
   const Inputs& inputs() const { return m_file_data->inputs; }
-  /// All of it, as one line of JSON.
+  /// The whole table as one line of JSON.
   std::string json() const;
 
   /// The value must be there; throws InputError naming the key otherwise.
@@ -111,7 +111,7 @@ class TomlTable {
   void finish() const;
 
  private:
-  /// What all tables of a file share.
+  /// Data that all tables of a file share.
   struct File {
     std::string path;
     std::map<std::string, std::string> options;
