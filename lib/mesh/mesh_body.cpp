@@ -21,7 +21,7 @@ void check_points(const std::vector<Vec3d>& points) {
   }
 }
 
-/// Corners exist and differ from each other.
+/// Checks that corners exist and differ from each other.
 template <std::size_t count>
 void check_cells(const std::vector<std::array<int, count>>& cells, std::size_t nodes,
                  const std::string& kind) {

@@ -2,8 +2,8 @@
 // counterpart of the voxel body, whose connectors are implied by the lattice. Membranes, networks
 // and tetrahedral meshes are mesh bodies; models share the node state and nothing else.
 //
-// Memory: 48 bytes per node at rest positions and present ones, 24 more once something moves with a
-// velocity, and 4 bytes per index of a connector.
+// Memory: 48 bytes per node for rest positions and present ones, 24 more once something moves with
+// a velocity, and 4 bytes per index of a connector.
 #pragma once
 
 #include <array>
@@ -33,8 +33,8 @@ struct MeshBody {
   std::size_t bytes() const;
 };
 
-/// At rest; the edges of the triangles become the links. Vertices are not merged: those of an STL
-/// file, which stores every corner anew, are joined by merge_equal_vertices first. Throws
+/// A body at rest; the edges of the triangles become the links. Vertices are not merged: those of
+/// an STL file, which stores every corner anew, are joined by merge_equal_vertices first. Throws
 /// InputError: an index without vertex, a triangle with a corner twice, a coordinate that is not
 /// finite.
 MeshBody make_mesh_body(const TriangleMesh& mesh);
@@ -42,7 +42,7 @@ MeshBody make_mesh_body(const TriangleMesh& mesh);
 MeshBody make_mesh_body(const LineNetwork& network);
 /// A network of links between points; doubled links count once. Throws InputError as above.
 MeshBody make_network(std::vector<Vec3d> points_lps_mm, const std::vector<LinkNodes>& links);
-/// At rest; the edges of the tetrahedra become the links, their outer faces (those of one
+/// A body at rest; the edges of the tetrahedra become the links, their outer faces (those of one
 /// tetrahedron only) the triangles, which face outwards. Throws InputError as above.
 MeshBody make_tetrahedral_body(std::vector<Vec3d> points_lps_mm,
                                std::vector<TetrahedronNodes> tetrahedra);

@@ -11,7 +11,7 @@ namespace supple {
 /// Every edge once, lower index first, ascending.
 std::vector<LinkNodes> unique_edges(const std::vector<TriangleNodes>& triangles);
 std::vector<LinkNodes> unique_edges(const std::vector<TetrahedronNodes>& tetrahedra);
-/// Sorted, lower index first, doubles removed.
+/// The links sorted, lower index first, doubles removed.
 std::vector<LinkNodes> unique_links(std::vector<LinkNodes> links);
 
 /// Two triangles that share an edge, by the vertices opposite of it.
