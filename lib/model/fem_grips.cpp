@@ -17,7 +17,7 @@ void require_two_sided(const HeldVoxels& found) {
   }
 }
 
-/// The sum, about the mean of all nodes.
+/// Sums reactions, about the mean of all nodes.
 FemReaction sum_of(const std::vector<FemReaction>& parts) {
   FemReaction sum;
   for (const FemReaction& part : parts) {
@@ -32,7 +32,7 @@ FemReaction sum_of(const std::vector<FemReaction>& parts) {
   return sum;
 }
 
-/// Where the elements are.
+/// A grip that holds elements where they are.
 FemGrip grip_of(const Body& body, const SlotSet& slots) {
   FemGrip grip;
   grip.slots = slots;
@@ -51,8 +51,8 @@ Vec3d in_voxels(const std::array<std::int32_t, 3>& q) {
   return Vec3d(q[0], q[1], q[2]) / kFixedOne;
 }
 
-/// A single voxel that only shifts says where its centre goes; how it turns, other points beside
-/// it.
+/// Moves a grip as its handle asks. A single voxel that only shifts says where its centre goes;
+/// other points beside it say how it turns.
 void move_by(const Body& body, const HeldHandle& handle, FemGrip& grip) {
   for (std::size_t n = 0; n < grip.offsets.size(); ++n) grip.offsets[n] += in_voxels(handle.by(n));
   if (const std::optional<StepMotion>& steps = handle.source->steps) {
@@ -73,7 +73,7 @@ class ElementOfSlot {
  public:
   ElementOfSlot(const HexMesh& mesh, const Body& body) : m_mesh(mesh), m_elements(body.elements) {}
 
-  /// That beside an element, across a face; -1 where none is joined.
+  /// The element beside another one, across a face; -1 where none is joined.
   std::int32_t beside(std::int32_t block, std::int32_t e, int axis, bool is_high) const {
     Vec3i voxel = m_mesh.origin[std::size_t(block)] + brick_local(m_mesh.offset[std::size_t(e)]);
     voxel[axis] += is_high ? 1 : -1;

@@ -1,9 +1,9 @@
-// What handles, anchors and earlier moves hold of the finite elements of a voxel body, and what its
-// solid gives back to it.
+// Grips of handles, anchors and earlier moves on the finite elements of a voxel body, and values
+// that its solid gives back to it.
 //
-// What is held prescribes the corners of its voxels, which turn and scale as it does
-// (held_corners.h). Of a corner that several hold, anchors come first, then what earlier moves left
-// held, then handles of this one, then their soft edges; rigid pieces before tissue of the same
+// Held elements prescribe the corners of their voxels, which turn and scale as they do
+// (held_corners.h). A corner that several hold goes with anchors first, then with holds of earlier
+// moves, then handles of this one, then their soft edges; rigid pieces before tissue of the same
 // kind. Several of one kind have it at their mean, weighted by their elements around it. The offset
 // of a voxel is the mean of its eight corners; elements that are held get exactly the offset that
 // they were to have, also where they share corners and the mean of these is another (GripReach).
@@ -18,7 +18,7 @@
 
 namespace supple {
 
-/// Who has a corner that several hold: the first of these; of each, rigid pieces before tissue.
+/// Kinds of grips: the first has a corner that several hold; of each, rigid pieces before tissue.
 enum class GripKind { anchor, held, handle, edge };
 
 /// A motion that grips know beside their offsets: up to the start of a move, and up to its end.
@@ -38,30 +38,30 @@ struct FemGrip {
   std::size_t handle = 0;  // of the move, where it is one
 
   bool is_anchor() const { return kind == GripKind::anchor; }
-  /// Of its elements around a corner: the lowest has it. A piece of a handle is no edge.
+  /// Rank of its elements around a corner: the lowest has it. A piece of an edge ranks as a handle.
   int rank(bool is_piece) const {
     return is_piece ? 2 * std::min(int(kind), int(GripKind::handle)) : 2 * int(kind) + 1;
   }
 };
 
-/// Handles, anchors, edges of handles, then what earlier moves left held. What of the last lies in
-/// a set of `told` is a grip of its own. Single voxels that only shift are points of one field.
-/// Soft edges that earlier drags left are let go in `found`: where they go is the material's.
-/// Throws InputError for push handles, of this drag or still held: neither statics nor dynamics
-/// know sides.
+/// The grips of handles, anchors, edges of handles, then of what earlier moves left held. The part
+/// of the last that lies in a set of `told` is a grip of its own. Single voxels that only shift are
+/// points of one field. Soft edges that earlier drags left are let go in `found`: the material says
+/// where they go. Throws InputError for push handles, of this drag or still held: neither statics
+/// nor dynamics know sides.
 std::vector<FemGrip> fem_grips(const Body& body, HeldVoxels& found,
                                const std::vector<SlotSet>& told);
 
-/// A grip that has not all corners of its elements to itself: in the mean of its elements where it
-/// was to go and where it goes, in voxels, and by how much one of them is off at most.
+/// A grip that has not all corners of its elements to itself: the mean offsets that its elements
+/// were to have and have, in voxels, and by how much one of them is off at most.
 struct GripReach {
   std::size_t grip;
   Vec3d asked, reached;
   double off_voxels;
 };
 
-/// Sums over what each of the sets holds, `of_grip` being those of the grips; the moment about the
-/// mean of their nodes.
+/// Sums the reactions over each of the sets, `of_grip` being those of the grips; moments are about
+/// the mean of their nodes.
 std::vector<FemReaction> sums_over(const std::vector<SlotSet>& elements,
                                    const std::vector<FemGrip>& grips,
                                    const std::vector<FemReaction>& of_grip);
@@ -77,7 +77,7 @@ std::vector<Vec3d> element_displacements(const HexMesh& mesh, const Body& body);
 /// Velocities in mm/s, LPS; 0 where the body has none.
 std::vector<Vec3d> element_velocities(const HexMesh& mesh, const Body& body);
 
-/// The other way round: the mean of the nodes of each element.
+/// Values at the centres of elements, of values at nodes: the mean of the nodes of each element.
 std::vector<Vec3d> at_centres(const HexMesh& mesh, const std::vector<double>& nodes);
 
 /// Hands displacements and velocities of elements to the body, in the order of its bricks; without

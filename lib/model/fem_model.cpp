@@ -91,7 +91,7 @@ void VoxelFemModel::hold_corners() {
   }
 }
 
-/// Linear theory takes the turn of a rigid piece for a strain.
+/// Energy of the rigid pieces that are held, as linear theory takes their turn for a strain.
 double VoxelFemModel::false_energy_mj() const {
   if (m_params.strain == StrainTheory::finite || m_held.body.rigid.empty()) return 0;
   const HexMesh& mesh = m_model.mesh();

@@ -1,5 +1,5 @@
 // Finite elements as a model of voxel bodies (lib/fem/voxel/fem.h): one linear problem per move,
-// whose displacements count from rest. What is held prescribes the corners of its voxels; the
+// whose displacements count from rest. Held elements prescribe the corners of their voxels; the
 // offset of a voxel is the mean of its eight corners. Limits of links play no part, and nothing is
 // remembered: the result depends on what is held where, and on the loads, not on where the rest of
 // the body was before.
@@ -31,34 +31,34 @@ class VoxelFemModel final : public Model<Handle> {
 
   /// The next move begins from an earlier equilibrium, whose result differs within the tolerance.
   void begin_from(std::shared_ptr<const NodeStart> start) { m_start = std::move(start); }
-  /// Reactions are wanted of these elements, which earlier moves have left held.
+  /// Asks for the reactions of these elements, which earlier moves have left held.
   void tell_of(std::vector<SlotSet> elements) { m_told = std::move(elements); }
 
   /// Solves. Throws InputError as hold(), and for push handles, whose sides linear equations do not
   /// know; NotConverged; Cancelled.
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   bool step(const Progress* = nullptr) override { return false; }
-  /// The elastic one, of the last move.
+  /// The elastic energy of the last move.
   ModelEnergy energy() override;
-  /// Of handles of the last move, or of elements told of before it.
+  /// The reactions of handles of the last move, or of elements told of before it.
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   /// Throws InputError for an offset beyond the range, the body unchanged.
   void store() override;
 
-  /// Sums over what the sets hold together; the moment about the mean of their nodes.
+  /// The reactions summed over each of the sets; moments are about the mean of their nodes.
   std::vector<FemReaction> reactions(const std::vector<SlotSet>& elements) const;
-  /// Of anchors alone.
+  /// The reaction of anchors alone.
   FemReaction anchor_reaction() const;
   /// Grips of the last move that share corners, and grips() in their order.
   const std::vector<GripReach>& reaches() const { return m_reaches; }
   const std::vector<FemGrip>& grips() const { return m_grips; }
-  /// Of the last move. Its energy is without the false strain of rigid pieces that are held.
+  /// Report of the last move. Its energy is without the false strain of rigid pieces that are held.
   const FemReport& report() const { return m_solution.report; }
   const FemModel& solid() const { return m_model; }
   /// The elements of its mesh that the voxels of the body consist of, in the order of the bricks;
   /// empty where each is one element.
   std::vector<std::vector<std::int32_t>> parts() const;
-  /// Of the nodes of its mesh.
+  /// The displacements of the nodes of its mesh.
   const std::vector<double>& displacement_mm() const { return m_solution.u_mm; }
 
  private:

@@ -18,7 +18,7 @@ bool is_held(const NodalLoads& loads, std::size_t n) {
   return (loads.held[n / 3] >> n % 3 & 1) != 0;
 }
 
-/// The values of held components, where `loads` has them.
+/// Sets held components to the values that `loads` has for them.
 void take_held(const NodalLoads& loads, std::vector<double>& values) {
   for (std::size_t n = 0; n < values.size(); ++n) {
     if (is_held(loads, n)) values[n] = loads.u_mm[n];
@@ -69,7 +69,7 @@ void VoxelFemMotion::move(const std::vector<Handle>& handles, int steps, Progres
   FemNodes nodes = nodes_of_body(before);
   std::vector<double>& u = nodes.u_mm;
   NodalLoads loads = nodal_loads(mesh, m_model.material(), m_params.loads);
-  // What is held where it is stays exactly there.
+  // Nodes that are held where they are stay exactly there.
   for (std::size_t n = 0; n < u.size(); ++n) {
     if (is_held(loads, n) && loads.u_mm[n] == before.u_mm[n]) loads.u_mm[n] = u[n];
   }

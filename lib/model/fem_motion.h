@@ -1,7 +1,7 @@
 // Finite elements in time as a model of voxel bodies (lib/fem/dynamics/newmark.h): every step is
 // one of time. The motion goes on from where the body is and how fast it moves; the nodes between
-// its elements are those of the step before, or interpolated (fem_grips.h). What is held goes
-// smoothly along straight ways, or stays; all else has inertia. Limits of links play no part.
+// its elements are those of the step before, or interpolated (fem_grips.h). Held elements go
+// smoothly along straight ways, or stay; all else has inertia. Limits of links play no part.
 #pragma once
 
 #include <memory>
@@ -15,20 +15,20 @@
 
 namespace supple {
 
-/// What a motion of finite elements is made of, beside the body.
+/// Data of a motion of finite elements, beside the body.
 struct FemMotionParams {
   ElasticTable elastic;
   MassDensities density;  // kg/m^3
   RayleighDamping damping;
   NewmarkParams newmark;
   FemLoads loads;  // all but what is held
-  /// Of pieces that nothing holds, beside others that are held. Where nothing is held at all, all
-  /// move freely.
+  /// Treatment of pieces that nothing holds, beside others that are held. Where nothing is held at
+  /// all, all move freely.
   LooseIslands loose = LooseIslands::hold;
 };
 
-/// Where nodes are and how fast they move, three values each, LPS: what the elements of a body tell
-/// of by their means alone.
+/// Displacements and velocities of nodes, three values each, LPS, of which the elements of a body
+/// know the means alone.
 struct FemNodes {
   std::vector<double> u_mm, v_mm_s;  // no velocities: at rest
   std::vector<Vec3d> elements_mm;    // where the body then had its elements
@@ -41,11 +41,11 @@ class VoxelFemMotion final : public Model<Handle> {
   VoxelFemMotion(const HeldBody& held, FemMotionParams params, const Body* shape = nullptr,
                  Progress* progress = nullptr);
 
-  /// Reactions are wanted of these elements, which earlier moves have left held.
+  /// Asks for the reactions of these elements, which earlier moves have left held.
   void tell_of(std::vector<SlotSet> elements) { m_told = std::move(elements); }
 
-  /// Where a move() may begin, in place of what it would interpolate: used where the elements of
-  /// the body are still where they were with these nodes.
+  /// Gives nodes from which a move() may begin, in place of interpolated ones: used where the
+  /// elements of the body are still where they were with these nodes.
   void start_from(FemNodes nodes) { m_start = std::move(nodes); }
 
   /// Begins a motion; the handles go over the next `steps` steps (smooth_way), or are there at once
@@ -57,13 +57,14 @@ class VoxelFemMotion final : public Model<Handle> {
   bool step(const Progress* progress = nullptr) override;
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
-  /// Offsets and velocities. Throws InputError for an offset beyond the range, the body unchanged.
+  /// Gives the body offsets and velocities. Throws InputError for an offset beyond the range, the
+  /// body unchanged.
   void store() override;
 
-  /// As VoxelFemModel's, of this moment.
+  /// Reactions as VoxelFemModel's, of this moment.
   std::vector<FemReaction> reactions(const std::vector<SlotSet>& elements) const;
   FemReaction anchor_reaction() const;
-  /// As VoxelFemModel's, of the end of the handles' ways.
+  /// Reaches and grips as VoxelFemModel's, of the end of the handles' ways.
   const std::vector<GripReach>& reaches() const { return m_reaches; }
   const std::vector<FemGrip>& grips() const { return m_grips; }
   const Newmark& motion() const { return *m_newmark; }
@@ -74,7 +75,7 @@ class VoxelFemMotion final : public Model<Handle> {
   std::size_t bytes() const { return m_model.bytes() + m_newmark->bytes(); }
 
  private:
-  /// With those that are held where `held` has them, unless all are known.
+  /// Nodes where the body is; held ones are where `held` has them, unless start_from() gave all.
   FemNodes nodes_of_body(const NodalLoads& held) const;
   HeldBody m_held;
   FemModel m_model;

@@ -99,7 +99,7 @@ GridSteps FieldSteps::steps(std::size_t n) const {
   return steps(n, completed_steps(m_body.geometry, directions, images));
 }
 
-/// Across faces whose four nodes are those of both; pieces have their own.
+/// Finds neighbours across faces whose four nodes are those of both; pieces have their own.
 void FieldSteps::find_neighbours(const VoxelCorners& corners) {
   std::unordered_map<Slot, std::int32_t> number;
   for (std::size_t n = 0; n < m_slots.size(); ++n) number[m_slots[n]] = std::int32_t(n);
@@ -126,7 +126,7 @@ void FieldSteps::find_neighbours(const VoxelCorners& corners) {
   }
 }
 
-/// Of connected elements, where one of them needs it.
+/// Finds the motions of connected elements, where one of them needs it.
 void FieldSteps::find_motions() {
   m_motion_of.assign(m_slots.size(), -1);
   std::vector<char> is_seen(m_slots.size(), 0);
@@ -149,7 +149,7 @@ void FieldSteps::find_motions() {
   }
 }
 
-/// The affine motion of the elements that are furthest from each other, where it is that of all.
+/// Finds the affine motion of the elements furthest from each other; keeps it if it is that of all.
 void FieldSteps::fit(const std::vector<std::size_t>& part) {
   const Vec3d origin = rest(part.front()), offset = m_offsets[part.front()];
   std::vector<Vec3d> basis, directions, images;

@@ -1,7 +1,7 @@
 // How elements turn and stretch, by the offsets of their neighbours: where a step of one voxel
 // along each axis goes from them.
 //
-// Across what is one voxel thick no neighbour tells. There they follow, in this order,
+// Across parts one voxel thick no neighbour tells. There they follow, in this order,
 //  - what is known of the motion by other ways (StepMotion),
 //  - the affine motion that meets the offsets of all elements that are connected,
 //  - the steps along the other axes: normals stay normal and keep their length, as in a thin shell
@@ -19,13 +19,13 @@
 
 namespace supple {
 
-/// Where a way goes.
+/// The way to which steps take a way.
 inline Vec3d moved(const GridSteps& steps, const Vec3d& way) {
   return steps[0] * way.x + steps[1] * way.y + steps[2] * way.z;
 }
 
-/// Where a step along each axis goes when some directions go to their images, all in voxels: what
-/// is perpendicular to them in mm turns with them and keeps its length.
+/// Images of a step along each axis when some directions go to their images, all in voxels: steps
+/// perpendicular to them in mm turn with them and keep their length.
 GridSteps completed_steps(const Geometry& geometry, const std::vector<Vec3d>& directions,
                           const std::vector<Vec3d>& images);
 
@@ -34,9 +34,9 @@ class FieldSteps {
  public:
   FieldSteps(const VoxelCorners& corners, std::vector<Slot> slots, std::vector<Vec3d> offsets);
 
-  /// Of the n-th element, with those of `across` along axes without neighbour.
+  /// Steps of the n-th element, with those of `across` along axes without neighbour.
   GridSteps steps(std::size_t n, const GridSteps& across) const;
-  /// With what the field itself says of them.
+  /// The same, with steps that follow from the field itself along axes without neighbour.
   GridSteps steps(std::size_t n) const;
 
  private:

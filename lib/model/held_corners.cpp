@@ -21,7 +21,7 @@ GridSteps steps_of_pose(const Geometry& geometry, const RigidPiece& piece) {
   return steps;
 }
 
-/// Trilinear between the corners of a voxel.
+/// Interpolates trilinearly between the corners of a voxel.
 Vec3d between(const std::array<Vec3d, 8>& corners, const Vec3d& part) {
   Vec3d more(0.0);
   for (std::size_t c = 1; c < 8; ++c) {
@@ -112,7 +112,7 @@ void HeldCorners::say_field(const std::vector<std::size_t>& members, bool is_end
   }
 }
 
-/// All nodes of the parts of voxels follow the corners of these.
+/// Lets all nodes of the parts of voxels follow the corners of these.
 void HeldCorners::refine() {
   m_at_nodes.emplace(m_corners.mesh());
   for (std::size_t g = 0; g < m_grips.size(); ++g) {

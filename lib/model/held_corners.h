@@ -1,7 +1,7 @@
-// Where the corners of held voxels go.
+// Offsets of the corners of held voxels.
 //
 // A held element says of its corners: its offset, and half of where a step along each axis goes
-// (field_steps.h). Of a rigid piece, steps are those of its pose. A corner goes where the elements
+// (field_steps.h). In a rigid piece, steps are those of its pose. A corner goes where the elements
 // around it say that come first (FemGrip::rank), in their mean: nothing depends on the order of
 // handles, and forces on a corner are shared in the same way.
 #pragma once
@@ -18,18 +18,18 @@
 
 namespace supple {
 
-/// Nodes that elements hold, and where these would have them.
+/// Nodes that elements hold, and the offsets that these ask of them.
 class CornerOffsets {
  public:
   explicit CornerOffsets(const HexMesh& mesh) : m_place(std::size_t(mesh.node_count()), -1) {}
 
   void say(NodeIndex node, const Vec3d& offset, int rank, std::int32_t grip);
 
-  /// The mean of those of the first rank.
+  /// The mean of the offsets that elements of the first rank ask.
   Vec3d offset(NodeIndex node) const;
   int elements(NodeIndex node) const { return at(node).elements; }  // of the first rank
   int rank(NodeIndex node) const { return at(node).rank; }
-  /// Whose all these elements are, or -1.
+  /// The grip whose all these elements are, or -1.
   std::int32_t owner(NodeIndex node) const { return at(node).owner; }
 
  private:
@@ -47,14 +47,14 @@ class CornerOffsets {
   std::vector<CornerSum> m_sums;
 };
 
-/// What grips hold, at the start of a move or at its end.
+/// Corners and nodes that grips hold, at the start of a move or at its end.
 class HeldCorners {
  public:
   HeldCorners(const VoxelCorners& corners, const std::vector<FemGrip>& grips, bool is_end);
 
-  /// Of each grip, for loads.
+  /// The held elements of each grip, for loads.
   std::vector<HeldElements> elements() const;
-  /// Of grips with corners that are not theirs alone.
+  /// The reaches of grips with corners that are not theirs alone.
   std::vector<GripReach> reaches() const;
 
  private:

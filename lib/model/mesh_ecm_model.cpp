@@ -12,7 +12,7 @@ void MeshEcmModel::move(const std::vector<MeshHandle>& handles, int, Progress* p
     if (handle.kind == HandleKind::push) continue;
     follows.insert(follows.end(), handle.nodes.begin(), handle.nodes.end());
   }
-  // What is held stays through the projection, also what is grabbed anew.
+  // Held nodes stay through the projection, also those that are grabbed anew.
   std::vector<NodeSet> anchors = m_held.anchors;
   if (!m_held.anchored.empty()) anchors.push_back(m_held.anchored);
   const std::vector<Vec3d> before = m_held.body.pos_mm;

@@ -15,14 +15,14 @@ class MeshEcmModel final : public Model<MeshHandle> {
 
   void move(const std::vector<MeshHandle>& handles, int steps, Progress* progress) override;
   bool step(const Progress* = nullptr) override { return false; }
-  /// It knows limits only: no energy, and no force at any handle.
+  /// ChainMail knows limits only: no energy, and no force at any handle.
   ModelEnergy energy() override { return {}; }
   std::vector<Reaction> reactions(const std::vector<MeshHandle>& handles) override {
     return std::vector<Reaction>(handles.size());
   }
   void store() override {}
 
-  /// Of the last move.
+  /// The report of the last move.
   const MeshEcmReport& report() const { return m_report; }
 
  private:

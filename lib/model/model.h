@@ -47,13 +47,13 @@ class Model {
   /// among the holds of the body, until those are changed. Throws InputError as the ECM drag of
   /// that body does: a handle without nodes, held twice, beyond the range. Nothing has moved then.
   virtual void move(const std::vector<Handle>& handles, int steps, Progress* progress) = 0;
-  /// One pass, or one step of time. False when the body has come to rest by the model's own
+  /// Makes one pass, or one step of time. False when the body has come to rest by the model's own
   /// measure: further steps change nothing. When `progress` cancels, long steps throw Cancelled,
   /// the body as it was before them.
   virtual bool step(const Progress* progress = nullptr) = 0;
-  /// How much of all it may do is done, where something other than a number of steps ends it.
+  /// The part of its work that is done, where something other than a number of steps ends it.
   virtual double part_done() const { return 0; }
-  /// Of the body as it is now.
+  /// The energy of the body as it is now.
   virtual ModelEnergy energy() = 0;
   /// The forces at these handles, now or in the last step of time, in their order; wherever they
   /// are to go. Throws InputError for one without nodes.
@@ -62,8 +62,8 @@ class Model {
   virtual void store() = 0;
 };
 
-/// Up to so many steps, fewer where the body comes to rest, then store(); returns how many. When
-/// `progress` cancels, the state after the last finished step is stored and Cancelled thrown.
+/// Makes up to `steps` steps, fewer where the body comes to rest, then store(); returns how many.
+/// When `progress` cancels, the state after the last finished step is stored and Cancelled thrown.
 template <class Handle>
 int run_model(Model<Handle>& model, int steps, Progress* progress = nullptr) {
   int done = 0;

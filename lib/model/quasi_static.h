@@ -9,10 +9,10 @@
 
 namespace supple {
 
-/// In the order of the handles. Throws InputError for one without element.
+/// The elements of each handle, in their order. Throws InputError for one without element.
 std::vector<SlotSet> elements_of_handles(const Body& body, const std::vector<Handle>& handles);
 
-/// Of the springs that relaxation knows, with the pressure of cells of these moduli
+/// Reactions of the springs that relaxation knows, with the pressure of cells of these moduli
 /// (lib/relax/reaction.h).
 std::vector<Reaction> quasi_static_reactions(const HeldBody& held,
                                              const std::vector<SlotSet>& handles,

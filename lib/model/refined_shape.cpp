@@ -89,7 +89,7 @@ std::vector<std::int32_t> RefinedShape::parts_of(const HexMesh& mesh, const Vec3
 
 Vec3d RefinedShape::at_centre(const HexMesh& mesh, const std::vector<double>& values,
                               const Vec3i& voxel) const {
-  // The last corner of the part before the middle.
+  // The middle is the last corner of the part before it.
   const std::int32_t e = element_of(mesh, voxel * m_parts + Vec3i(m_parts / 2 - 1));
   const double* value = &values[3 * std::size_t(mesh.corners(e)[7])];
   return {value[0], value[1], value[2]};

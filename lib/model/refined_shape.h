@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// Elements of 1/8 of a voxel's edge are 512 times as many.
+/// Most halvings: elements of 1/8 of a voxel's edge are 512 times as many.
 constexpr int kMostHalvings = 3;
 
 class RefinedShape {
@@ -19,16 +19,16 @@ class RefinedShape {
   /// `halvings`: 1 to kMostHalvings.
   RefinedShape(const Body& coarse, int halvings);
 
-  /// Elements, classes, cuts and geometry; at rest.
+  /// The refined body: elements, classes, cuts and geometry; at rest.
   const Body& body() const { return m_fine; }
-  /// Of each edge of a voxel.
+  /// Number of parts of each edge of a voxel.
   int parts() const { return m_parts; }
 
   /// The elements that a set of the body consists of, whose elements are `coarse`.
   SlotSet parts_of(const SlotSet& set, const BrickTopology& coarse) const;
   /// The same of one voxel, as numbers of elements of `mesh`, that of body().
   std::vector<std::int32_t> parts_of(const HexMesh& mesh, const Vec3i& voxel) const;
-  /// What three values per node of that mesh are at the centre of a coarse voxel.
+  /// The vector at the centre of a coarse voxel; `values` are three per node of that mesh.
   Vec3d at_centre(const HexMesh& mesh, const std::vector<double>& values, const Vec3i& voxel) const;
 
  private:

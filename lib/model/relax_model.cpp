@@ -40,7 +40,7 @@ void RelaxModel::begin() {
       std::make_unique<Relaxation>(m_held.body, m_anchored, m_held.holds, m_params, m_moduli);
 }
 
-/// The offsets to the body.
+/// Writes the offsets to the body.
 void RelaxModel::put() {
   m_relaxation->store();
   m_held.body.links_known_valid = m_params.method != RelaxMethod::plain && knows_all_links();
@@ -50,8 +50,8 @@ bool RelaxModel::knows_all_links() const {
   return spring_links(m_held.body, m_moduli.any()) == m_held.body.slacks.links();
 }
 
-/// Where volume is conserved, springs and steps know axis links only: what diagonals do not allow
-/// is moved back, and passes go on from there.
+/// Moves back what diagonals do not allow where volume is conserved, as springs and steps know axis
+/// links only there; passes go on from there.
 void RelaxModel::keep_diagonals() {
   if (knows_all_links() || m_params.method == RelaxMethod::plain) return;
   const ProjectionReport projection = project(m_held.body, m_anchored, m_held.holds);
@@ -90,7 +90,7 @@ double RelaxModel::part_done() const {
   return std::min(1.0, m_report.looked_at_million / m_params.budget_million);
 }
 
-/// Whether the energy is as good as the least by the forces that are left.
+/// True where the forces that are left put the energy near the least (RelaxReport::converged).
 bool RelaxModel::forces_agree() {
   constexpr double kPart = 0.01, kPartOfStart = 1e-6;
   if (m_params.budget_million > 0) {

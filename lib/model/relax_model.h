@@ -11,8 +11,8 @@
 
 namespace supple {
 
-/// Why passes ended: as many as were asked for, nothing moved any more, forces and steps agree
-/// (RelaxReport::converged), or the work that was allowed is done.
+/// Reasons why passes ended: as many as were asked for, nothing moved any more, forces and steps
+/// agree (RelaxReport::converged), or the work that was allowed is done.
 enum class RelaxEnd { passes, at_rest, converged, budget };
 const char* name_of(RelaxEnd end);
 
@@ -20,7 +20,7 @@ struct RelaxReport {
   std::int64_t projected_links = 0;  // of an invalid start
   double projected_max_voxels = 0;
   std::int64_t projected_held = 0;  // elements that are held but that it had to move
-  /// Where volume is conserved: links that a diagonal's limit moved back after the last pass, and
+  /// Links that a diagonal's limit moved back after the last pass where volume is conserved, and
   /// how far. The energy is the one after that. 0 with 6 links.
   std::int64_t diagonal_links = 0;
   double diagonal_max_voxels = 0;
@@ -35,7 +35,7 @@ struct RelaxReport {
   double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
   double largest_step_voxels = 0;              // of the last pass
   std::int64_t yielded_links = 0;              // whose rest stretch followed
-  /// Where volume is conserved; the modulus is the mean of those that follow from the material.
+  /// Set where volume is conserved; the modulus is the mean of those that follow from the material.
   double bulk_modulus_kpa = 0;
   std::optional<CellVolumes> volumes_before, volumes_after;
   double milliseconds = 0;  // from the model's making
@@ -51,16 +51,16 @@ class RelaxModel final : public Model<Handle> {
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   /// False when converged, when no element can move any more, or when the budget is spent.
   bool step(const Progress* progress = nullptr) override;
-  /// Of the budget.
+  /// The part of the budget that is spent.
   double part_done() const override;
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   /// Ends with plastic flow, where links have yielded in passes since the last store().
   void store() override;
 
-  /// Of all passes and stores so far; its last energy costs as much as a pass.
+  /// The report of all passes and stores so far; its last energy costs as much as a pass.
   RelaxReport report();
-  /// Of the drag in the last move().
+  /// The report of the drag in the last move().
   const EcmReport& drag_report() const { return m_drag; }
 
  private:
@@ -84,10 +84,10 @@ class RelaxModel final : public Model<Handle> {
   std::chrono::steady_clock::time_point m_begin;
 };
 
-/// Up to params.passes passes of a body whose elements in `fixed` and `held.still` stay, and those
-/// of push handles at or beyond where they were pushed to; then plastic flow. `progress` may cancel
-/// between two passes: Cancelled is thrown, and the body is as after a relaxation of that many
-/// passes. Throws InputError as RelaxModel.
+/// Makes up to params.passes passes of a body whose elements in `fixed` and `held.anchored` stay,
+/// and those of push handles at or beyond where they were pushed to; then plastic flow. `progress`
+/// may cancel between two passes: Cancelled is thrown, and the body is as after a relaxation of
+/// that many passes. Throws InputError as RelaxModel.
 RelaxReport relax(Body& body, const std::vector<Region>& fixed, const Holds& held,
                   const RelaxParams& params, Progress* progress = nullptr);
 

@@ -70,12 +70,12 @@ void SpringMotion::move(const std::vector<int>& anchored, std::vector<DrivenNode
   for (std::size_t n = 0; n < m_shape_starts.size(); ++n) {
     m_shape_starts[n] = m_system.colliders[n].shape;
   }
-  // They know from their start which nodes are held.
+  // Integrators and minimisers know from their start which nodes are held.
   m_integrator.reset();
   m_minimiser.reset();
 }
 
-/// The targets of handles and the places of shapes at the end of the next step.
+/// Sets targets of handles and places of shapes as they are at the end of the next step.
 void SpringMotion::drive() {
   const int before = m_step;
   m_step = std::min(m_step + 1, m_steps);

@@ -18,7 +18,7 @@ struct DrivenCollider {
 };
 
 struct MotionParams {
-  /// Down to the minimum of the energy, without time; else by the integrator, in steps of time.
+  /// True: down to the minimum of the energy, without time; else by an integrator, in time steps.
   bool minimise = false;
   SpringMethod method = SpringMethod::implicit;
   double step_s = 0.01;
@@ -49,8 +49,8 @@ class SpringMotion {
   /// False when a minimum is reached. Throws Cancelled, the system as it was before the step.
   bool step(const Progress* progress = nullptr);
   ModelEnergy energy() const;
-  /// Sums over the nodes of each set; those that are not held count 0. Means over the last step of
-  /// time; of a minimum, and before the first step, those of the springs at rest.
+  /// Reactions summed over the nodes of each set; nodes that are not held count 0. Means over the
+  /// last step of time; at a minimum, and before the first step, those of springs at rest.
   std::vector<Reaction> reactions(const std::vector<std::vector<int>>& sets) const;
   /// Largest force that is left on a free node; of a minimisation.
   double residual_mn() const { return m_minimiser ? m_minimiser->residual_mn() : 0; }

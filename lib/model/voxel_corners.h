@@ -7,7 +7,7 @@
 
 namespace supple {
 
-/// In edges of the voxel: 0 or 1 along each axis.
+/// Place of a corner in edges of the voxel: 0 or 1 along each axis.
 inline Vec3d place_of_corner(std::size_t corner) {
   return {double(corner >> 2 & 1), double(corner >> 1 & 1), double(corner & 1)};
 }
@@ -15,11 +15,11 @@ inline Vec3d place_of_corner(std::size_t corner) {
 /// The nodes of a mesh that the corners of a body's voxels are.
 class VoxelCorners {
  public:
-  /// `refined`: whose mesh it is; null: elements are voxels. All must outlive this.
+  /// `refined`: the shape whose mesh it is; null: elements are voxels. All must outlive this.
   VoxelCorners(const HexMesh& mesh, const Body& body, const RefinedShape* refined)
       : m_mesh(mesh), m_body(body), m_refined(refined) {}
 
-  /// In the order of corners of elements.
+  /// The nodes of a voxel in the order of corners of elements.
   Corners operator()(Slot slot) const;
   /// Calls visit(node, part) for all nodes in or around the voxel; parts of its edges are 0 to 1.
   template <class Visit>

@@ -13,13 +13,13 @@ class VoxelEcmModel final : public Model<Handle> {
   explicit VoxelEcmModel(const HeldBody& held);
 
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
-  /// All or nothing; false where anchors stop a part of the drag.
+  /// Moves all or nothing; false where anchors stop a part of the drag.
   bool move_whole(const std::vector<Handle>& handles, Progress* progress);
   /// move(), or move_whole(), unless free pieces would shift: false then, and report() says which.
   bool move_unless_pieces_shift(const std::vector<Handle>& handles, bool whole, Progress* progress);
-  /// EcmSolver::drag_whole_or_unshifted(); whether anything was done.
+  /// Does EcmSolver::drag_whole_or_unshifted(); true where anything was done.
   bool move_whole_or_unshifted(const std::vector<Handle>& handles, Progress* progress);
-  /// Whether anchors and other handles allow the whole drag, which is not done.
+  /// True where anchors and other handles allow the whole drag, which is not done.
   bool allows(const std::vector<Handle>& handles, Progress* progress);
   /// EcmSolver::bounds_of()
   std::vector<std::vector<ElementBounds>> bounds_of(const std::vector<const RigidPiece*>& pieces,
@@ -27,12 +27,12 @@ class VoxelEcmModel final : public Model<Handle> {
                                                     std::int32_t reach_q, LastingBounds& lasting,
                                                     Progress* progress);
   bool step(const Progress* = nullptr) override { return false; }
-  /// That of the springs that relaxation would find.
+  /// The energy of the springs that relaxation would find.
   ModelEnergy energy() override;
   std::vector<Reaction> reactions(const std::vector<Handle>& handles) override;
   void store() override {}
 
-  /// Of the last move, done or not.
+  /// The report of the last move, done or not.
   const EcmReport& report() const { return m_report; }
   std::size_t bytes() const { return m_solver.bytes(); }
 
