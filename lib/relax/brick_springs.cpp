@@ -6,7 +6,7 @@ namespace supple {
 
 namespace {
 
-/// Entries of `links` whose low ends have a cut link along `axis`.
+/// Sets the entry `at` each voxel of `cut`, the low ends of cut links along one axis, to `missing`.
 template <class At>
 void remove_cut(const BrickMask& cut, std::int32_t missing, At&& at) {
   for_each_active(cut, [&](int offset) { at(brick_local(offset)) = missing; });
@@ -34,7 +34,7 @@ void remove_cuts(const Body& body, std::size_t b, std::int32_t missing, BrickSpr
   }
 }
 
-/// The class of what is no element is so large that every entry with it is beyond the others.
+/// Fills in classes; that of a voxel without element takes every entry with it beyond the others.
 void pad_classes(const Body& body, std::size_t b, std::int32_t missing,
                  PaddedBrick<std::int32_t>& out) {
   const BrickTopology& elements = body.elements;

@@ -79,11 +79,11 @@ struct BrickRest {
   double low_k[8][8];
 };
 
-/// Of coordinate c; `rest` per axis of the link.
+/// Reads rest stretches of a brick's links in one coordinate; `rest` gives them per axis of link.
 void find_rest(const BrickTopology& elements, const std::array<const BrickValues*, 3>& rest,
                std::size_t b, BrickRest& out);
 
-/// `missing` is the entry of an absent link.
+/// Finds the links of a brick and those that enter it; `missing` is the entry of an absent link.
 void find_links(const Body& body, std::size_t b, std::int32_t missing, BrickSprings& links);
 
 }  // namespace supple

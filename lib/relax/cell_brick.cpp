@@ -11,7 +11,7 @@ struct BitRows {
   std::uint16_t rows[10][10];
 };
 
-/// Which of -1, 0, 1 a local coordinate from -1 to 8 lies in.
+/// Side of the brick where a local coordinate from -1 to 8 lies: -1 below, 0 inside, 1 above.
 int side_of(int local) {
   return local < 0 ? -1 : local > 7;
 }
@@ -19,7 +19,7 @@ int around_index(int di, int dj, int dk) {
   return 9 * (di + 1) + 3 * (dj + 1) + dk + 1;
 }
 
-/// `mask_of(brick)` may be null where no bit is set.
+/// Gathers the bits of a brick and around it; `mask_of(brick)` may be null where no bit is set.
 template <class MaskOf>
 BitRows gather_bits(const BricksAround& around, MaskOf&& mask_of) {
   const BrickMask* masks[27];

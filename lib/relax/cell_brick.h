@@ -40,7 +40,7 @@ void for_each_cell(const CellRows& cells, Visit&& visit) {
   }
 }
 
-/// Of local coordinates from -1 to 8, in a brick that is there.
+/// The slot at local coordinates from -1 to 8, in a brick that is there.
 inline Slot slot_around(const BricksAround& around, int i, int j, int k) {
   const auto side = [](int local) { return local < 0 ? 0 : local > 7 ? 2 : 1; };
   const int n = 9 * side(i) + 3 * side(j) + side(k);
@@ -48,34 +48,35 @@ inline Slot slot_around(const BricksAround& around, int i, int j, int k) {
   return Slot(brick) * kBrickVoxels + Slot(64 * (i & 7) + 8 * (j & 7) + (k & 7));
 }
 
-/// One cell of a lattice without deformation, in 2^-32 voxel and its cube.
+/// Edge of a cell at rest in 2^-32 voxel, and its volume in (2^-32 voxel)^3.
 constexpr double kFineVoxel = 65536.0 * kFinePerUnit;
 constexpr double kFineCell = kFineVoxel * kFineVoxel * kFineVoxel;
 
 struct alignas(64) CellBrick {
-  /// Of a row: even k = 0 … 8, then odd k = -1 … 7.
+  /// Values of a row, and the place of its first odd k: even k = 0 … 8, then odd k = -1 … 7.
   static constexpr int kRowLength = 10, kFirstOdd = 5;
-  /// Where in a row the four values at k - 1, k and k + 1 begin, for k even (0, 2, 4, 6) and odd.
+  /// Places in a row where the four values at k - 1, k and k + 1 begin, for k even (0, 2, 4, 6) and
+  /// for k odd.
   static constexpr int kPlace[2][3] = {{5, 0, 6}, {0, 6, 1}};
 
   double offsets[3][100 * kRowLength];  // per coordinate, 2^-32 voxel
-  /// By the lowest corner of a cell, 0 where there is none: the root of its share of the bulk
-  /// modulus (cell_moduli.h), 1 where all are alike. Times the volume beyond rest it is `excess`,
-  /// (2^-32 voxel)^3, so that squares of excesses are energies.
+  /// Root of a cell's share of the bulk modulus (cell_moduli.h), by its lowest corner: 0 where
+  /// there is no cell, 1 where all are alike. Times the volume beyond rest it is `excess`, (2^-32
+  /// voxel)^3, so that squares of excesses are energies.
   double root_share[81 * kRowLength];
   double excess[81 * kRowLength];
 
   /// First value of row (i, j), each from -1 to 8 for offsets and to 7 for cells.
   static constexpr int node_row(int i, int j) { return (10 * (i + 1) + j + 1) * kRowLength; }
   static constexpr int cell_row(int i, int j) { return (9 * (i + 1) + j + 1) * kRowLength; }
-  /// Of value k in its row.
+  /// Place of value k in its row.
   static constexpr int place(int k) { return (k & 1) != 0 ? kFirstOdd + (k + 1) / 2 : k / 2; }
 };
 
-/// Offsets and `root_share` of 1 per cell; absent elements are at rest.
+/// Fills in offsets and a `root_share` of 1 per cell; absent elements are at rest.
 void fill_cells(const std::array<BrickArray<double>, 3>& offsets, const BricksAround& around,
                 const CellRows& cells, CellBrick& out);
-/// The offsets of the brick itself, 512 of coordinate c.
+/// Copies the offsets of the brick itself to `out`, 512 of coordinate c.
 void take_offsets(const CellBrick& brick, int c, double* out);
 
 }  // namespace supple

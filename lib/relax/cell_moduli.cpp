@@ -9,14 +9,14 @@ namespace supple {
 
 namespace {
 
-/// Of a cell, from the sum of compliances of those of its corners that count, and their number: the
-/// inverse of the mean; 1 where none counts.
+/// Share of a cell: the inverse of the mean compliance of its corners that count, from the sum of
+/// their compliances and their number; 1 where none counts.
 double share_of(double compliance, double corners) {
   return corners > 0 ? corners / compliance : 1;
 }
 
-/// Sums over the eight elements around each place where a cell may be, by its lowest corner from
-/// -1 to 7. Of places without a brick they say nothing.
+/// Sums over the eight elements around each place where a cell may be, by its lowest corner from -1
+/// to 7. Sums at places without a brick mean nothing.
 struct CornerSums {
   double of[9][9][9];
 };

@@ -25,16 +25,16 @@ struct CellModuli {
 /// (docs/models/relaxation.md).
 CellModuli moduli_by_poisson(const Body& body);
 
-/// Those that the parameters ask for.
+/// The moduli that the parameters ask for.
 CellModuli moduli_of(const Body& body, const RelaxParams& params);
 
-/// Of `kpa`, the share of a cell between these elements: all of it is under one pressure, so that
-/// the compliances of its corners are averaged. Those in rigid pieces give way to none and do not
-/// count.
+/// Share of `kpa` that a cell between these elements has. All of it is under one pressure, so that
+/// the compliances of its corners are averaged. Corners in rigid pieces give way to no pressure and
+/// do not count.
 double share_of_cell(const Body& body, const CellModuli& moduli,
                      const std::array<Slot, 8>& corners);
 
-/// CellBrick::root_share of the cells that are there.
+/// Fills in CellBrick::root_share of the cells that are there.
 void find_shares(const Body& body, const CellModuli& moduli, const BricksAround& around,
                  CellBrick& brick);
 

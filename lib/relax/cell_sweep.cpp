@@ -27,7 +27,7 @@ inline Lane smaller(Lane a, Lane b) {
 inline Lane larger(Lane a, Lane b) {
   return a > b ? a : b;
 }
-/// Towards zero, to whole units of 2^-32 voxel.
+/// Rounds towards zero, to whole units of 2^-32 voxel.
 inline Lane truncated(Lane lane) {
   for (int n = 0; n < 4; ++n) lane[n] = std::trunc(lane[n]);
   return lane;
@@ -56,10 +56,10 @@ constexpr int row_step(int di, int dj) {
   return (10 * di + dj) * CellBrick::kRowLength;
 }
 
-/// Four cells whose lowest corners begin at `low` and their ends along k at `high`
-/// (hexahedron_volume has the formula).
+/// Volumes beyond rest of four cells, whose lowest corners begin at `low` and their ends along k at
+/// `high` (hexahedron_volume has the formula).
 inline Lane excess_of(const CellBrick& brick, int low, int high) {
-  // From corner `from` to corner `to`, numbered as Hexahedron; both are constants here.
+  // The way from corner `from` to corner `to`, numbered as Hexahedron; both are constants here.
   const auto way = [&](int to, int from) {
     const auto place = [&](int corner) {
       return ((corner & 1) != 0 ? high : low) + row_step(corner >> 2, corner >> 1 & 1);
@@ -100,8 +100,8 @@ inline LinkLane look_up(const LinkValues* table, const std::int32_t* entries) {
           widened(__builtin_shufflevector(last_ab, last_cd, 2, 3, 6, 7)) * kFinePerUnit};
 }
 
-/// What BrickSprings or BrickRest hold of the links of elements (i, j, k), k + 2, k + 4 and k + 6,
-/// along an axis and upwards or downwards.
+/// Takes the values in BrickSprings or BrickRest of the links of elements (i, j, k), k + 2, k + 4
+/// and k + 6, upwards or downwards along an axis.
 template <class Values, class T>
 inline void take_links(const Values& values, int axis, bool up, int i, int j, int k, T* out) {
   if (axis == 2) {
@@ -115,7 +115,7 @@ inline void take_links(const Values& values, int axis, bool up, int i, int j, in
   for (int n = 0; n < 4; ++n) out[n] = row[2 * n];
 }
 
-/// Stretch of four links from rest, as far as their springs feel it.
+/// Stretch of four links beyond their rest stretches.
 inline Lane beyond_rest(const BrickRest& rest, int axis, bool up, int i, int j, int k,
                         Lane stretch) {
   double values[4];
@@ -126,13 +126,13 @@ inline Lane pulled(const LinkLane& link, Lane beyond) {
   return larger(-link.yield, smaller(link.yield, beyond));
 }
 
-/// What the links and cells of four elements ask of them in one coordinate.
+/// Pull of the links of four elements in one coordinate, and how far these may rise and sink.
 struct CellForces {
   Lane force{}, stiffness{};
   Lane rise = Lane{} + HUGE_VAL, sink = Lane{} + HUGE_VAL;
 };
 
-/// Where four elements are.
+/// Place of four elements: (i, j, k), k + 2, k + 4 and k + 6.
 struct CellRun {
   int i, j, k;        // of the first
   int node;           // in a row of offsets
@@ -152,7 +152,7 @@ inline void ask_links(const CellBrick& brick, const BrickSprings& links, const L
       take_links(links, axis, up, at.i, at.j, at.k, entries);
       for (std::size_t c = 0; c < 3; ++c) {
         const LinkLane link = look_up(tables[c]->row(axis), entries);
-        // Of the other end, away from here; a link downwards stretches as that shrinks.
+        // Offset of the other end less that of this one; a link downwards stretches as it shrinks.
         const Lane apart =
             load(brick.offsets[c] + at.along(axis, up)) - load(brick.offsets[c] + at.node);
         Lane pull = apart;
@@ -171,13 +171,13 @@ inline void ask_links(const CellBrick& brick, const BrickSprings& links, const L
   }
 }
 
-/// dV of the eight cells around four elements, each times its root_share; cell 4 i + 2 j + k is the
-/// one on the upper side where i, j or k is 1. Zero for what is no cell.
+/// Volume gradients of the eight cells around four elements, each times its root_share; cell 4 i +
+/// 2 j + k is the one on the upper side where i, j or k is 1. Zero where there is no cell.
 inline void find_gradients(const CellBrick& brick, const CellRun& at, const int (&cells)[8],
                            Lane3 (&out)[8]) {
   Lane3 here;
   for (int c = 0; c < 3; ++c) here.c[c] = load(brick.offsets[c] + at.node);
-  // From here to the element one step along the axes that are not 0.
+  // The way from here to the element one step along the axes that are not 0.
   const auto way = [&](int di, int dj, int dk) {
     const int place = at.node + row_step(di, dj) - at.beside[1] + at.beside[dk + 1];
     const int steps[3] = {di, dj, dk};
@@ -212,7 +212,7 @@ inline void find_gradients(const CellBrick& brick, const CellRun& at, const int 
   }
 }
 
-/// Where the eight cells around a place begin, as find_gradients() numbers them.
+/// Finds where the eight cells around four elements begin, as find_gradients() numbers them.
 inline void find_places(const CellRun& at, int (&cells)[8]) {
   for (int n = 0; n < 8; ++n) {
     const int i = at.i - 1 + (n >> 2), j = at.j - 1 + (n >> 1 & 1);

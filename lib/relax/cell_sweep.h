@@ -46,10 +46,10 @@ struct CellSweep {
   std::array<const BrickRest*, 3> rest{};  // per coordinate; null: all elastic, undeformed at rest
 };
 
-/// Computes `excess` of all cells of the brick from its offsets; dead cells have none.
+/// Computes `excess` of all cells of the brick from its offsets; 0 where there is no cell.
 void find_excess(CellBrick& brick);
 
-/// Returns the largest step, 2^-32 voxel. `excess` follows.
+/// Steps the free elements; returns the largest step, 2^-32 voxel. Keeps `excess` up to date.
 double sweep_cells(CellBrick& brick, const BrickSprings& links, const LinkTables& tables,
                    const CellSweep& sweep);
 
@@ -57,7 +57,7 @@ struct CellEnergy {
   std::array<double, 3> links{};  // per coordinate, twice, N/m * (2^-32 voxel)^2
   double excess_squared = 0;      // (2^-32 voxel)^6
 };
-/// Of the links to next elements and the cells that begin in the brick.
+/// Energy of the links to next elements and of the cells that begin in the brick.
 CellEnergy energy_of_cells(const CellBrick& brick, const BrickSprings& links,
                            const LinkTables& tables, const std::array<const BrickRest*, 3>& rest);
 

@@ -19,7 +19,7 @@ CellVolumes join(const CellVolumes& a, const CellVolumes& b) {
           std::min(a.smallest, b.smallest), std::max(a.largest, b.largest)};
 }
 
-/// In rest volumes of a cell.
+/// Volumes of the cells whose lowest corners lie in brick b, in rest volumes of a cell.
 CellVolumes volumes_in(const Body& body, std::size_t b) {
   const BricksAround around = bricks_around(body.elements, b);
   const CellRows cells = find_cells(body, around);
@@ -68,7 +68,7 @@ Vec3d hexahedron_gradient(const Hexahedron& corners, int corner) {
   const Vec3d along_i = way(4), along_j = way(2), along_k = way(1);
   const Vec3d sum = face(along_i, way(6), along_j) + face(along_j, way(3), along_k) +
                     face(along_k, way(5), along_i);
-  // Along i, j and k from the lowest corner is right-handed; each axis that turns round turns that.
+  // Edges along i, j, k from the lowest corner are right-handed; each reversed axis reverses that.
   const bool is_right_handed = ((corner >> 2 ^ corner >> 1 ^ corner) & 1) == 0;
   return sum * (is_right_handed ? -1.0 / 12 : 1.0 / 12);
 }

@@ -19,10 +19,10 @@ namespace supple {
 /// Corner 4 i + 2 j + k of a cell lies (i, j, k) steps from its lowest one.
 using Hexahedron = std::array<Vec3d, 8>;
 
-/// Signed: negative where the cell is inside out. Grandy 1997, "Efficient computation of volume of
-/// hexahedral cells".
+/// Signed volume: negative where the cell is inside out. Grandy 1997, "Efficient computation of
+/// volume of hexahedral cells".
 double hexahedron_volume(const Hexahedron& corners);
-/// Derivative of the volume with respect to one corner; the other seven's opposite does not count.
+/// Derivative of the volume by the place of one corner; the opposite corner has no part in it.
 Vec3d hexahedron_gradient(const Hexahedron& corners, int corner);
 
 struct CellVolumes {
@@ -31,10 +31,10 @@ struct CellVolumes {
   double total_mm3 = 0;
   double smallest = 1, largest = 1;  // of a cell, in its rest volume
 
-  /// 1 for a body without cells.
+  /// Total over rest volume; 1 for a body without cells.
   double ratio() const { return rest_mm3 > 0 ? total_mm3 / rest_mm3 : 1; }
 };
-/// Of all cells of the body, in parallel; costs only where something moved.
+/// Sums the volumes of all cells of the body, in parallel; costs only where something moved.
 CellVolumes cell_volumes(const Body& body);
 
 }  // namespace supple

@@ -7,7 +7,7 @@ namespace supple {
 
 namespace {
 
-/// Null where the element has none.
+/// Finds the bound of an element; null where it has none.
 const Bound* bound_of(const std::vector<Bound>& bounds, Slot slot) {
   const auto place =
       std::lower_bound(bounds.begin(), bounds.end(), slot,

@@ -18,8 +18,8 @@ struct ClusterPull {
   bool touches_other = false;  // a link leads to another cluster
 };
 
-/// Under the present offsets in 2^-32 voxel. Of the slack of a link to another cluster it may take
-/// `share`: half where both step at once.
+/// The pull on a cluster under the present offsets in 2^-32 voxel. It may take the part `share` of
+/// the slack of a link to another cluster: half where both step at once.
 ClusterPull pull_of_cluster(const Clusters& clusters, std::size_t cluster,
                             const BrickArray<double>& offsets, const std::vector<Bound>& at_least,
                             const std::vector<Bound>& at_most, double share);

@@ -84,7 +84,8 @@ std::uint32_t GrowingClusters::number(BrickValues& numbers) {
   return std::uint32_t(roots.size());
 }
 
-/// Of the elements of a brick. One without any is left alone from now on, as clusters never part.
+/// Finds the links that lead out of the clusters of a brick's elements. An element without any is
+/// left alone from now on, as clusters never part.
 GrowingClusters::LinksOut GrowingClusters::links_out(std::uint32_t brick,
                                                      const BrickValues& numbers) {
   LinksOut links;

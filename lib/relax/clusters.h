@@ -35,7 +35,7 @@ struct Clusters {
   std::size_t bytes() const;
 };
 
-/// Whether the link of this kind from `low` to `high` joins both.
+/// Says whether the link of this kind from `low` to `high` joins its ends.
 using Joins = std::function<bool(int kind, Slot low, Slot high)>;
 
 /// Clusters of a part of a body that becomes larger and larger: every link is judged once, and
@@ -45,10 +45,10 @@ class GrowingClusters {
   /// Body, table and what `joins` refers to must outlive this.
   GrowingClusters(const Body& body, const LinkTable& table, Joins joins);
 
-  /// With the links of these bricks (ascending, each given once).
+  /// Joins elements by the links of these bricks (ascending, each given once).
   void add(const std::vector<std::uint32_t>& bricks);
-  /// Those of at least two elements that joined links make, links of the kinds that the table
-  /// knows; numbered by their smallest slots, so that nothing depends on the order of the links.
+  /// The clusters of at least two elements that links of the table's kinds join; numbered by their
+  /// smallest slots, so that nothing depends on the order of the links.
   Clusters find();
   std::size_t bytes() const;
 

@@ -8,7 +8,7 @@
 
 namespace supple {
 
-/// False where the brick has none.
+/// Finds the bounds of a brick's elements; false where it has none.
 bool CoordinateRelaxation::find_bounds(std::size_t brick, NodeBounds& out) const {
   const auto [least, least_end] = bounds_in(m_at_least, brick);
   const auto [most, most_end] = bounds_in(m_at_most, brick);
@@ -35,7 +35,7 @@ SweepOutcome CoordinateRelaxation::sweep_diagonals_of(std::size_t brick, const B
   return sweep_brick(loaded, m_table, free, bounded, out);
 }
 
-/// Single nodes of one brick; keeps what the pass needs to know of it and returns the largest step.
+/// Steps a brick's single nodes; records its energy, tightness, change. Returns the largest step.
 double CoordinateRelaxation::step_diagonals_of(std::size_t brick, const DiagonalSweep& sweep,
                                                double* out) {
   const SweepOutcome outcome = sweep_diagonals_of(brick, m_elements.single[brick], sweep, out);
@@ -45,7 +45,7 @@ double CoordinateRelaxation::step_diagonals_of(std::size_t brick, const Diagonal
   return outcome.largest_step;
 }
 
-/// All single nodes of the pass's bricks; returns the largest step.
+/// Steps all single nodes of the pass's bricks at once; returns the largest step.
 double CoordinateRelaxation::sweep_diagonals_at_once(const SweepRule& rule) {
   std::vector<double> largest(m_work.size());
   in_parallel(m_work.size(), [&](std::size_t n) {
@@ -56,7 +56,7 @@ double CoordinateRelaxation::sweep_diagonals_at_once(const SweepRule& rule) {
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
 }
 
-/// The same in place, one colour of bricks after the other.
+/// Steps them in place instead, one colour of bricks after the other.
 double CoordinateRelaxation::sweep_diagonals(const SweepRule& rule) {
   std::array<std::vector<std::uint32_t>, 8> colours;
   for (const std::uint32_t b : m_work) {

@@ -13,7 +13,7 @@ namespace supple {
 namespace {
 
 constexpr double kTight = kTightSlack * kFinePerUnit;
-/// Passes from one look for elements that block each other to the next.
+/// Number of passes from one search for elements that block each other to the next.
 constexpr int kTightPasses = 24;
 
 bool takes_turns(RelaxMethod method) {
@@ -67,7 +67,7 @@ CoordinateRelaxation::CoordinateRelaxation(const Body& body, int coordinate,
   add_bricks();
 }
 
-/// Whether it changed, or a brick to which links lead.
+/// True where the brick changed, or one to which its links lead.
 bool CoordinateRelaxation::is_due(std::size_t brick) const {
   const auto changed = [&](std::int32_t b) { return b >= 0 && m_changed[std::size_t(b)] != 0; };
   if (changed(std::int32_t(brick))) return true;
@@ -109,8 +109,8 @@ SweepOutcome CoordinateRelaxation::sweep_one(std::size_t brick, const BrickMask&
   return sweep_brick(offsets, links, &rest, m_table, free, rule, out);
 }
 
-/// A step towards a bound is cut short there; what starts within stays within. Returns the largest
-/// step that is left of those that the sweep took.
+/// Clamps steps at the bounds of held elements; elements that start within stay within. Returns the
+/// largest step that is left of those that the sweep took.
 double CoordinateRelaxation::keep_bounds(std::size_t brick, double* values, double largest) const {
   const auto [least, least_end] = bounds_in(m_at_least, brick);
   for (auto bound = least; bound != least_end; ++bound) {
@@ -131,7 +131,7 @@ double CoordinateRelaxation::keep_bounds(std::size_t brick, double* values, doub
   return largest;
 }
 
-/// All single nodes of a colour (-1: all) of the pass's bricks; returns the largest step.
+/// Steps all single nodes of a colour (-1: all) of the pass's bricks; returns the largest step.
 double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool first) {
   static const BrickMask kColours[2] = {chessboard(0), chessboard(1)};
   std::vector<double> largest(m_work.size());
@@ -153,8 +153,8 @@ double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
 }
 
-/// Clusters step at once: where two meet, each may take half of the slack, and no more than its own
-/// way to the mean keeps the energy from rising.
+/// Step of one cluster. All step at once: where two meet, each may take half of the slack, and goes
+/// no further than to its own mean, so that the energy does not rise.
 double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size_t cluster,
                                              double relaxation) const {
   const ClusterPull pull = pull_of_cluster(clusters, cluster, m_now, m_at_least, m_at_most, 0.5);

@@ -16,11 +16,11 @@ namespace supple {
 
 class CoordinateRelaxation {
  public:
-  /// `anchored` stays where it is; `bounds` hold elements at or beyond them. All outlive this.
+  /// `anchored` stays where it is; `held` keeps elements at or beyond bounds. All outlive this.
   CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& anchored, const Holds& held,
                        RelaxMethod method);
 
-  /// The largest step, 2^-32 voxel.
+  /// Makes a pass; returns the largest step, 2^-32 voxel.
   double pass();
   /// Voxels of the bricks that the next pass looks at.
   double work_of_pass() const { return double(m_work.size()) * kBrickVoxels; }
@@ -29,7 +29,7 @@ class CoordinateRelaxation {
   double energy();
   /// Twice an upper bound of how far the energy is above the least (excess_energy.h).
   double excess() const;
-  /// Offsets and their fractions to the body, which is that of the constructor.
+  /// Writes offsets and their fractions to the body, which is that of the constructor.
   void store(Body& body) const;
   std::size_t bytes() const;
 
@@ -62,8 +62,8 @@ class CoordinateRelaxation {
   int m_extent;  // of the body, voxels
   Movable m_elements;
   std::vector<std::int16_t> m_one_class;  // of bricks, with diagonals (diagonal_brick.h)
-  /// The same where the last pass changed nothing. With diagonals whose nodes step in turns, the
-  /// second stays empty.
+  /// Offsets now and in the next pass, the same where the last one changed nothing. With diagonals
+  /// whose nodes step in turns, the second stays empty.
   BrickArray<double> m_now, m_next;
   bool m_in_turns;
   std::vector<std::uint32_t> m_work;  // bricks of the next pass, ascending

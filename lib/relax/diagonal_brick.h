@@ -22,7 +22,7 @@ std::vector<std::int16_t> classes_of_bricks(const Body& body);
 
 int brick_colour(const Vec3i& origin);
 
-/// `one_class` is that of classes_of_bricks().
+/// Fills in brick b and the layer around it; `one_class` is that of classes_of_bricks().
 void load_brick(const Body& body, int links, std::size_t b, const BrickArray<double>& offsets,
                 const std::vector<std::int16_t>& one_class, DiagonalBrick& out);
 

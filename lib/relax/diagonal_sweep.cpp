@@ -13,7 +13,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr unsigned kWholeRow = 0xff;
 using EntryRow = std::int32_t __attribute__((vector_size(32)));
 
-/// Which nodes of a row come before their neighbours that way in a pass.
+/// Table of the nodes of a row that come in a pass before their neighbours in a direction.
 class PassOrder {
  public:
   PassOrder() {
@@ -28,7 +28,7 @@ class PassOrder {
   const std::uint8_t* of_row(int colour, int i, int j) const { return m_first[colour][8 * i + j]; }
 
  private:
-  /// Of a node of the brick and the layer around it.
+  /// Order in a pass of a node of the brick or of the layer around it.
   static int order_of(int colour, int i, int j, int k) {
     const int brick = colour ^ ((i >> 3 & 1) << 2 | (j >> 3 & 1) << 1 | (k >> 3 & 1));
     return brick << 3 | (i & 1) << 2 | (j & 1) << 1 | (k & 1);
@@ -46,7 +46,7 @@ class PassOrder {
   std::uint8_t m_first[8][64][kDirections];
 };
 
-/// Of eight links, in the direction away from a node; `other` is the far end.
+/// Values of eight links, in the direction away from a node; `other` is the far end.
 struct AwayRow {
   NodeRow stiffness, wider, narrower;  // limits of other - here and of here - other
 };
@@ -57,7 +57,7 @@ inline NodeRow chosen_or(unsigned bits, NodeRow row, double otherwise) {
   return set != 0 ? row : NodeRow{} + otherwise;
 }
 
-/// What the links of eight nodes ask of them.
+/// Pull of the links of eight nodes, and how far these may rise and sink.
 struct RowAsk {
   NodeRow force{}, stiffness{};
   NodeRow rise = NodeRow{} + kInfinity, sink = NodeRow{} + kInfinity;
@@ -119,7 +119,7 @@ class BrickSweep {
     return look_up(m_table.row(kind), places);
   }
 
-  /// `counted`: nodes whose links' energy counts, where they come first.
+  /// Adds links in one direction; their energy counts at nodes that are `counted` and come first.
   void ask_links(int direction, int i, int j, NodeRow here, unsigned counted, RowAsk& ask) {
     const unsigned bits =
         unsigned(m_brick.links[std::size_t(direction)][std::size_t(i)] >> (8 * j)) & kWholeRow;
@@ -151,7 +151,7 @@ class BrickSweep {
     return truncated(larger(-down, smaller(up, wanted)));
   }
 
-  /// The other eight rows around stay while this one steps, so their links are asked once.
+  /// Steps one row. The eight rows around it stay meanwhile, so their links are asked once.
   void step_row(int i, int j, unsigned free, double* out) {
     static const PassOrder kOrder;
     m_first = kOrder.of_row(m_brick.colour, i, j);

@@ -13,7 +13,7 @@
 
 namespace supple {
 
-/// Elements stay at least and at most there, 2^-32 voxel.
+/// Least and most offsets of a brick's nodes, 2^-32 voxel.
 struct NodeBounds {
   double least[kBrickVoxels], most[kBrickVoxels];
 };

@@ -83,7 +83,7 @@ class Excess {
     }
   }
 
-  /// What a cluster's elements exert on each other; they are done with then.
+  /// Adds the forces between a cluster's elements to m_give, and takes its elements out of m_force.
   void add_inside(const Clusters& clusters, std::size_t cluster) {
     const std::uint32_t first = clusters.first[cluster], end = clusters.first[cluster + 1];
     const double count = end - first;
@@ -112,7 +112,7 @@ class Excess {
     }
   }
 
-  /// By the limit of a link to an element that is held, or by a bound.
+  /// True where a bound, or the limit of a link to a held element, stops the element that way.
   bool is_stopped(Slot slot, bool upwards, const std::vector<Bound>& bounds) const {
     const auto bound =
         std::lower_bound(bounds.begin(), bounds.end(), slot,
@@ -133,7 +133,7 @@ class Excess {
     return stopped;
   }
 
-  /// Of all offsets, rest included.
+  /// Range of all offsets, with that of elements at rest, 0.
   double range() const {
     double least = 0, most = 0;
     for (const std::uint32_t b : m_bricks) {

@@ -26,8 +26,8 @@ class FractionFilter {
     }
   }
 
-  /// A fraction that goes may break the next link, so this goes on until nothing changes; without
-  /// any fraction all hold.
+  /// Takes the fractions at broken links back. That may break the next link, so it is repeated
+  /// until nothing changes; without any fraction all hold.
   void keep_links() {
     const auto& fractions = m_body.fraction[m_c];
     std::vector<char> due(m_body.elements.brick_count(), 0);
@@ -56,7 +56,7 @@ class FractionFilter {
   }
 
  private:
-  /// Whether there was a fraction.
+  /// Takes the fraction of an element back; returns true where there was one.
   bool drop(Slot slot) {
     const double whole = m_body.q[m_c].at(slot) * kFinePerUnit;
     if (m_fine.at(slot) == whole) return false;
@@ -64,7 +64,7 @@ class FractionFilter {
     return true;
   }
 
-  /// The bricks whose links, as their lower ends have them, meet brick b.
+  /// Marks the bricks whose links, counted at their lower ends, meet brick b.
   void add_due(std::size_t b, std::vector<char>& due) const {
     due[b] = 1;
     if (m_table.links() != 6) {

@@ -15,11 +15,11 @@ namespace supple {
 
 constexpr int kAxisKinds = 3, kLinkKinds = 13;
 
-/// From the low end to the high one; all lead to the later voxel.
+/// Direction of each kind from the low end to the high one; all lead to the later voxel.
 constexpr std::array<int, kLinkKinds> kDirectionOfKind = {22, 16, 14, 15, 17, 19, 21,
                                                           23, 25, 18, 20, 24, 26};
 
-/// Of a link that leaves a voxel in that direction or the opposite one.
+/// Kind of a link that leaves a voxel in that direction or the opposite one.
 constexpr int kind_of_direction(int direction) {
   const int upwards = direction > kNoStep ? direction : opposite_direction(direction);
   for (int kind = 0; kind < kLinkKinds; ++kind) {

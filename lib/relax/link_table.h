@@ -17,8 +17,8 @@ struct alignas(16) LinkValues {
   float yield;         // 2^-16 voxel from its rest stretch; infinite where it is elastic
 };
 
-/// How far the spring of a link pulls as if stretched that far from its rest stretch, in 2^-32
-/// voxel: no further than where it yields.
+/// Stretch by which the spring of a link pulls when it is stretched that far from its rest stretch,
+/// both in 2^-32 voxel: no more than where it yields.
 inline double pulled_stretch(const LinkValues& link, double stretch) {
   const double yield = link.yield * 65536.0;
   return stretch > yield ? yield : stretch < -yield ? -yield : stretch;
@@ -38,18 +38,18 @@ class LinkTable {
   LinkTable(const Body& body, int coordinate, RigidLinks rigid)
       : LinkTable(body, coordinate, rigid, body.slacks.links()) {}
 
-  /// Of a kind of link (link_kinds.h); axes are the first three. Entry class_a * stride + class_b
-  /// of a row, stride as in SlackTable, classes as in Body; missing() and beyond: absent.
+  /// Values of a kind of link (link_kinds.h); axes are the first three. Entry class_a * stride +
+  /// class_b of a row, stride as in SlackTable, classes as in Body; missing() and beyond: absent.
   const LinkValues* row(int kind) const { return m_rows[std::size_t(kind)].data(); }
   const LinkValues& values(int kind, int class_a, int class_b) const {
     return m_rows[std::size_t(kind)][std::size_t(class_a) * m_stride + class_b];
   }
-  /// 6, 18 or 26 per voxel.
+  /// Links per voxel: 6, 18 or 26.
   int links() const { return m_links; }
   int stride() const { return m_stride; }
   int coordinate() const { return m_coordinate; }
   std::int32_t missing() const { return std::int32_t(m_rows[0].size()) - 1; }
-  /// Whether a link of these classes lets its ends come no nearer nor farther apart.
+  /// True where a link of these classes lets its ends come neither nearer nor farther apart.
   bool is_rigid(int kind, int class_a, int class_b) const {
     return m_rigid[std::size_t(kind)][std::size_t(class_a) * m_stride + class_b] != 0;
   }

@@ -25,21 +25,21 @@ struct Movable {
   std::size_t bytes() const;
 };
 
-/// In the coordinate of the table. A cluster with an element that is held, is held; without
-/// `has_clusters` every element steps on its own.
+/// Finds the elements that may step in the table's coordinate. A cluster with a held element is
+/// held; without `has_clusters` every element steps on its own.
 Movable find_movable(const Body& body, const LinkTable& table, const SlotSet& anchored,
                      bool has_clusters);
 
-/// Whether some spring of the coordinate rests elsewhere than in the undeformed body.
+/// True where some spring of the coordinate rests elsewhere than in the undeformed body.
 bool has_rest(const Body& body, int coordinate);
 
 /// The bounds of a brick's elements.
 std::pair<std::vector<Bound>::const_iterator, std::vector<Bound>::const_iterator> bounds_in(
     const std::vector<Bound>& bounds, std::size_t brick);
 
-/// Of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method does, up to the
-/// value for the slowest mode of a body of that many voxels (Young 1971 for one whose ends are
-/// fixed; a free end halves the rate). Any below 2 lowers the energy.
+/// Over-relaxation of a pass, counted from 0: grows from 1 as the momentum of Nesterov's method
+/// does, up to the value for the slowest mode of a body of that many voxels (Young 1971 for one
+/// whose ends are fixed; a free end halves the rate). Any below 2 lowers the energy.
 double over_relaxation(int pass, int extent);
 /// Voxels of the body along its longest axis.
 int largest_extent(const BrickTopology& elements);

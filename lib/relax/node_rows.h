@@ -29,7 +29,7 @@ inline NodeRow load(const double* values) {
   return row;
 }
 
-/// Towards zero, to whole units of 2^-32 voxel.
+/// Rounds towards zero, to whole units of 2^-32 voxel.
 inline NodeRow truncated(NodeRow row) {
   for (int lane = 0; lane < 8; ++lane) row[lane] = std::trunc(row[lane]);
   return row;

@@ -15,8 +15,8 @@ namespace supple {
 
 namespace {
 
-/// Whether the link lets its ends come no farther apart, or no nearer. A link without slack does
-/// neither.
+/// True where a link is at a limit: its ends can come no farther apart, or no nearer. A link
+/// without slack is at both.
 bool is_tight(const Body& body, int c, int kind, Slot low, Slot high) {
   const BrickValues& q = body.q[std::size_t(c)];
   const std::uint8_t a = body.classes[low], b = body.classes[high];
@@ -44,15 +44,15 @@ SlotSet held_in(const Body& body, int c, const SlotSet& fixed, const Holds& held
   return result;
 }
 
-/// Who bears the forces of elements in one coordinate. Holders are numbered as the handles; what
-/// else is held comes last.
+/// Holders that bear the forces of elements in one coordinate, numbered as the handles; all other
+/// held elements are the last holder.
 struct Bearers {
   BrickValues holder;      // per element, one more than its number; 0: nobody
   std::vector<char> taut;  // per holder
 };
 
-/// Breadth first from all holders at once. A queue that starts in the order of the holders stays so
-/// among elements equally far, so that of several the first gets an element.
+/// Floods breadth first from all holders at once. A queue that starts in the order of the holders
+/// stays so among elements equally far, so that the first of several gets an element.
 Bearers find_bearers(const Body& body, int c, const std::vector<SlotSet>& handles,
                      const SlotSet& held, bool from_others) {
   const auto others = std::int32_t(handles.size() + 1);
@@ -88,24 +88,24 @@ Bearers find_bearers(const Body& body, int c, const std::vector<SlotSet>& handle
   return bearers;
 }
 
-/// The others are often most of the body, so their flood waits until a handle's has met them.
+/// Floods from held elements of no handle, often most of the body, only where a handle meets them.
 Bearers find_bearers(const Body& body, int c, const std::vector<SlotSet>& handles,
                      const SlotSet& held) {
   Bearers bearers = find_bearers(body, c, handles, held, false);
   return bearers.taut.back() ? find_bearers(body, c, handles, held, true) : bearers;
 }
 
-/// Whether something of the brick moved in the coordinate, or a spring from there rests elsewhere.
+/// True where part of the brick moved in the coordinate, or a spring from there rests elsewhere.
 bool has_strain(const Body& body, std::size_t c, std::size_t b) {
   return body.q[c].brick(b) != nullptr ||
          std::any_of(body.rest.begin(), body.rest.end(),
                      [&](const auto& axis) { return axis[c].brick(b) != nullptr; });
 }
 
-/// In mN per element of a brick.
+/// Forces on the elements of a brick, mN.
 using BrickForces = std::array<double, kBrickVoxels>;
 
-/// Of the elements that have a holder.
+/// Adds the forces of springs on the elements that have a holder.
 void add_springs(const Body& body, const LinkTable& table, std::size_t b,
                  const std::int32_t* holder, BrickForces& forces) {
   const auto c = std::size_t(table.coordinate());
@@ -135,7 +135,7 @@ void add_springs(const Body& body, const LinkTable& table, std::size_t b,
   });
 }
 
-/// Of the cells around: -dE/dx with E = kpa (V - V0)^2 / (2 V0).
+/// Adds the forces of the cells around: -dE/dx with E = kpa (V - V0)^2 / (2 V0).
 void add_cells(const Body& body, int c, const CellModuli& moduli, std::size_t b,
                BrickForces& forces) {
   const BricksAround around = bricks_around(body.elements, b);
@@ -180,8 +180,8 @@ struct Share {
   double force_mn;
 };
 
-/// Per handle. Bricks are summed one by one, then together in their order: the same bits for any
-/// number of threads.
+/// Sums the forces per handle, mN. Bricks are summed one by one, then together in their order: the
+/// same bits for any number of threads.
 std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, std::size_t handles,
                               const CellModuli& moduli) {
   const LinkTable table(body, c, RigidLinks::absent, spring_links(body, moduli.any()));

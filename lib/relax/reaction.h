@@ -38,12 +38,12 @@ struct Reaction {
   std::array<bool, 3> taut{false, false, false};
 };
 
-/// One per handle. As for relaxation, elements of `fixed` and `held.still` are held, and those of
-/// push handles in the coordinates where they lie at their bound; elements that nobody holds there
-/// lean on others. An element of several handles counts for the first. Held elements of no handle
-/// are one more holder. Cells count with these bulk moduli, as in relaxation with them. In a
-/// coordinate in which nothing moved or rests elsewhere (with cells: in any of the three) there is
-/// no force, and nothing is taut. Throws InputError: a bulk modulus out of range.
+/// The reactions, one per handle. As for relaxation, elements of `fixed` and `held.anchored` are
+/// held, and those of push handles in the coordinates where they lie at their bound; elements that
+/// nobody holds there lean on others. An element of several handles counts for the first. Held
+/// elements of no handle are one more holder. Cells count with these bulk moduli, as in relaxation
+/// with them. In a coordinate in which nothing moved or rests elsewhere (with cells: in any of the
+/// three) there is no force, and nothing is taut. Throws InputError: a bulk modulus out of range.
 ///
 /// O(elements held by the handles or leaning on them), all those that are held where a handle is
 /// taut to one; 2 kB per brick with any of these.

@@ -11,7 +11,7 @@ namespace supple {
 
 namespace {
 
-/// In the order of the enumerators.
+/// Names of the methods, in the order of the enumerators.
 const std::vector<std::string> kMethodNames = {"plain", "jacobi", "red-black", "accelerated"};
 
 /// 2^-32 voxel of coordinate c in mm.
@@ -19,7 +19,7 @@ double fine_mm(const Body& body, int c) {
   return body.geometry.spacing_mm()[c] / (kFinePerUnit * kFixedOne);
 }
 
-/// Rest stretches belong to axis links.
+/// Throws InputError where diagonals would yield, as rest stretches belong to axis links.
 void require_no_yield(const Body& body) {
   const int links = body.slacks.links();
   if (links == 6) return;

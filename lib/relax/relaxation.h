@@ -58,8 +58,8 @@ struct RelaxParams {
   double bulk_modulus_kpa = 0;
   /// Bulk moduli follow from the material instead (cell_moduli.h).
   bool poisson = false;
-  /// Ends after the pass in which so many million elements were looked at, one by one in each pass
-  /// and coordinate; 0: no limit. Work and not time, so that the result is the same on every
+  /// Ends after the pass in which this many million elements were looked at, one by one in each
+  /// pass and coordinate; 0: no limit. Work and not time, so that the result is the same on every
   /// machine. With a budget the forces are asked less often whether they agree.
   double budget_million = 0;
 
@@ -73,7 +73,7 @@ struct RelaxParams {
 /// `poisson`: as RelaxParams::poisson; MaterialTable::relaxes_by_poisson.
 RelaxParams tissue_relaxation(bool poisson = false);
 
-/// Of `relax = { … }` in a scene.
+/// The fields of `relax = { … }` in a scene.
 Fields fields(RelaxParams& params);
 
 struct CellModuli;
@@ -84,17 +84,17 @@ class VolumeRelaxation;
 /// those of the last finished pass once store() was called.
 class Relaxation {
  public:
-  /// Elements of `held.still` and `fixed` stay; those of push handles stay at or beyond where they
-  /// were pushed to. The body is a valid one (for method plain any) and must not change while this
+  /// `held.anchored` and `fixed` stay; elements of push handles stay at or beyond where they were
+  /// pushed to. The body is a valid one (for method plain any) and must not change while this
   /// lives. Throws InputError: params out of range, springs that yield in a body with diagonals.
   Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params);
-  /// With the moduli of these parameters (moduli_of()), where they are known.
+  /// The same with the moduli of these parameters (moduli_of()), where they are known already.
   Relaxation(Body& body, const SlotSet& fixed, const Holds& held, const RelaxParams& params,
              const CellModuli& moduli);
   ~Relaxation();
 
-  /// One pass over all coordinates that have moved, or all where volume is conserved; the largest
-  /// step in voxels.
+  /// Makes a pass over all coordinates that have moved, or all where volume is conserved; returns
+  /// the largest step in voxels.
   double pass();
   /// Energy before the last pass, in uJ, cells included: known after each pass.
   double energy_before_pass() const { return m_energy; }

@@ -26,14 +26,15 @@ struct StiffnessRange {
 StiffnessRange stiffness_range(const Body& body, const LinkTable& table,
                                const std::vector<std::uint32_t>& bricks);
 
-/// Of a part of a body that becomes larger and larger, as a relaxation spreads.
+/// Stiff clusters of a growing part of the body, as a relaxation spreads; of() extends them.
 class StiffClusters {
  public:
   /// All must outlive this.
   StiffClusters(const Body& body, const LinkTable& table, const Movable& elements);
 
-  /// `bricks`: ascending, those of the last time among them. One set for each factor of kStiffRatio
-  /// above the softest link, the softest first; none where all links are about as stiff.
+  /// Clusters in `bricks`, ascending, with those of the last time. One set per factor of
+  /// kStiffRatio above the softest link, the softest first; none where all links are about as
+  /// stiff.
   const std::vector<Clusters>& of(const std::vector<std::uint32_t>& bricks);
   std::size_t bytes() const;
 

@@ -36,7 +36,7 @@ inline NodePull pull_of(const LinkRow& link, NodeRow stretch, const double* rest
   return {force, link.stiffness, link.upper - stretch, link.lower + stretch, force * work};
 }
 
-/// What the six links of eight nodes ask of them.
+/// Pull of the six links of eight nodes, and how far these may rise and sink.
 struct NodeForces {
   NodeRow force{}, stiffness{}, rise, sink;
 

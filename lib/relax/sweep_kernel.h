@@ -15,7 +15,7 @@ struct SweepRule {
   double relaxation = 1;
   /// Part of a link's slack that one of its ends may take: half where both ends move at once.
   double share = 0.5;
-  /// Without limits, as the plain pass of the thesis.
+  /// False: steps know no limits, as in the plain pass of the thesis.
   bool limited = true;
 };
 
@@ -27,7 +27,7 @@ struct SweepOutcome {
   double least_slack = 0;  // of all links that meet the brick, before the sweep; may be infinite
 };
 
-/// The outcome of a sweep whose lanes have summed their own.
+/// Joins the outcomes of the lanes of a sweep.
 template <class Row>
 SweepOutcome outcome_of(const Row& energy, const Row& least_slack, const Row& largest_step) {
   SweepOutcome outcome;

@@ -13,7 +13,7 @@ namespace supple {
 
 namespace {
 
-/// Cells whose pulls are summed before the sums are: the same sums whatever the number of threads.
+/// Cells per partial sum; these are added in turn: the same whatever the number of threads.
 constexpr std::size_t kCellsPerSum = 512;
 
 struct RigidPull {
@@ -98,7 +98,7 @@ bool VolumeClusters::is_due(std::size_t cluster, const std::vector<char>& due) c
                      [&](std::uint32_t brick) { return due[brick] != 0; });
 }
 
-/// The volume of a cell is linear in the step t of the cluster's corners: V + t sum of dV/dx.
+/// Step t of a cluster. The volume of a cell is linear in it: V + t sum of dV/dx of its corners.
 double VolumeClusters::step_of(std::size_t cluster,
                                const std::array<BrickArray<double>, 3>& offsets,
                                double relaxation) const {
@@ -149,7 +149,7 @@ double VolumeClusters::step(std::array<BrickArray<double>, 3>& offsets, double r
   double largest = 0;
   for (std::size_t c = 0; c < rigid.count(); ++c) {
     if (!m_elements.moves(rigid.members[rigid.first[c]])) continue;
-    // What moved earlier in this pass counts as well.
+    // Bricks that changed earlier in this pass count as well.
     if (!is_due(c, due) && !is_due(c, changed)) continue;
     const double step = step_of(c, offsets, relaxation);
     if (step == 0) continue;

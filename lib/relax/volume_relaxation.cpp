@@ -19,7 +19,7 @@ std::size_t colour_of(const Vec3i& origin) {
 
 }  // namespace
 
-/// What a sweep reads of one brick. 90 kB, of which half only where springs yield.
+/// Data of one brick that a sweep reads: 90 kB, half of it only where springs yield.
 struct VolumeRelaxation::BrickData {
   CellBrick cells;
   BrickSprings links;
@@ -96,7 +96,7 @@ std::array<const BrickRest*, 3> VolumeRelaxation::rest_of(const BrickData& data)
   return {&data.rest[0], &data.rest[1], &data.rest[2]};
 }
 
-/// False where the brick has none.
+/// Finds the bounds of a brick's elements; false where it has none.
 bool VolumeRelaxation::find_bounds(std::size_t brick, BrickBounds& out) const {
   bool has_any = false;
   for (std::size_t c = 0; c < 3; ++c) {

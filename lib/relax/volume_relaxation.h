@@ -34,14 +34,14 @@ class VolumeRelaxation {
   VolumeRelaxation(const Body& body, const SlotSet& anchored, const Holds& held, RelaxMethod method,
                    const CellModuli& moduli);
 
-  /// The largest step, in voxels.
+  /// Makes a pass; returns the largest step in voxels.
   double pass();
   /// Voxels of the bricks that the next pass looks at, in each coordinate.
   double work_of_pass() const;
-  /// Of links and cells before the last pass, in uJ.
+  /// Energy of links and cells before the last pass, in uJ.
   double energy_before_pass() const { return m_energy; }
   double energy();
-  /// Offsets and their fractions to the body, which is that of the constructor.
+  /// Writes offsets and their fractions to the body, which is that of the constructor.
   void store(Body& body) const;
   std::size_t bytes() const;
 
@@ -49,7 +49,7 @@ class VolumeRelaxation {
   struct Coordinate {
     LinkTable table;
     Movable elements;
-    double fine_mm;  // 2^-32 voxel
+    double fine_mm;  // 2^-32 voxel in mm
   };
   struct BrickData;
 
