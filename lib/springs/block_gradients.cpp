@@ -40,7 +40,7 @@ bool BlockGradients::prepare(const std::vector<SymmetricBlock>& diagonal,
   return true;
 }
 
-/// Of what `of_row` returns for each row.
+/// Sums the values that `of_row` returns for each row.
 template <class OfRow>
 BlockGradients::Sums BlockGradients::sum(const OfRow& of_row) const {
   const std::size_t rows = m_first.size() - 1, chunks = (rows + kChunk - 1) / kChunk;

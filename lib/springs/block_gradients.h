@@ -22,8 +22,8 @@ class BlockGradients {
   bool prepare(const std::vector<SymmetricBlock>& diagonal,
                const std::vector<SymmetricBlock>& coupling);
 
-  /// A x = b in place, down to `tolerance` times |b|, or after 3,000 steps with the iterate at
-  /// hand, which goes downhill in any case. Throws Cancelled.
+  /// Solves A x = b in place, down to `tolerance` times |b|, or after 3,000 steps with the iterate
+  /// at hand, which goes downhill in any case. Throws Cancelled.
   void solve(std::vector<Vec3d>& b, double tolerance, const Progress* progress) const;
 
   std::size_t bytes() const;

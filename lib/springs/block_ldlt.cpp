@@ -10,7 +10,7 @@ namespace supple {
 
 namespace {
 
-/// Place -> row of an order with little fill.
+/// An order of elimination with little fill: the row at each place.
 std::vector<int> elimination_order(int rows, const std::vector<std::array<int, 2>>& couplings) {
   std::vector<Eigen::Triplet<double>> entries;
   for (int n = 0; n < rows; ++n) entries.emplace_back(n, n, 1.0);
@@ -46,7 +46,7 @@ inline void subtract_product(Block& y, const Lanes& a0, const Lanes& a1, const L
   }
 }
 
-/// a b of two blocks, b symmetric.
+/// The product a b of two blocks, b symmetric.
 template <class Block>
 inline Block product(const Block& a, const Block& b) {
   Block result;
@@ -64,7 +64,7 @@ Block block_of(const SymmetricBlock& s) {
   return {{{s[0], s[3], s[4], 0}, {s[3], s[1], s[5], 0}, {s[4], s[5], s[2], 0}}};
 }
 
-/// False when it is not positive definite.
+/// Inverts a block; false when it is not positive definite.
 template <class Block>
 bool invert_block(const Block& a, Block& inverse) {
   SymmetricBlock result;
@@ -131,7 +131,7 @@ BlockLdlt::BlockLdlt(int rows, const std::vector<std::array<int, 2>>& couplings)
   }
 }
 
-/// The columns that row k of L has, in an order in which each follows those that change it:
+/// Finds the columns that row k of L has, in an order in which each follows those that change it:
 /// m_stack from m_top on.
 void BlockLdlt::find_reach(int k) {
   const int rows = int(m_order.size());

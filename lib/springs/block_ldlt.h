@@ -22,11 +22,11 @@ class BlockLdlt {
   /// first.
   double products() const { return m_products; }
 
-  /// `diagonal` per row, `coupling` per pair; both off-diagonal blocks of a pair are the same
-  /// symmetric block. False when the matrix is not positive definite.
+  /// Factorises a matrix of `diagonal` per row, `coupling` per pair; both off-diagonal blocks of a
+  /// pair are the same symmetric block. False when the matrix is not positive definite.
   bool factorise(const std::vector<SymmetricBlock>& diagonal,
                  const std::vector<SymmetricBlock>& coupling);
-  /// A x = b, in place; after a successful factorise().
+  /// Solves A x = b in place, after a successful factorise().
   void solve(std::vector<Vec3d>& x) const;
 
   std::size_t bytes() const;
@@ -49,7 +49,7 @@ class BlockLdlt {
   std::vector<int> m_column_begin;  // of L
   std::vector<int> m_row;           // of L's blocks
   std::vector<Block> m_lower, m_inverse_diagonal;
-  // Of factorise(): the row that is being made, and where in the tree it has been.
+  // Data of factorise(): the row that is being made, and where in the tree it has been.
   std::vector<Block> m_work;
   std::vector<int> m_filled, m_mark, m_stack;
   int m_top = 0;

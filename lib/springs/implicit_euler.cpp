@@ -11,7 +11,7 @@ namespace supple {
 
 namespace {
 
-// What conjugate gradients leave of the forces of each Newton step.
+// Part of the forces of each Newton step that conjugate gradients leave.
 constexpr double kLinearTolerance = 1e-4;
 
 double largest_of(const std::vector<Vec3d>& vectors) {
@@ -20,7 +20,7 @@ double largest_of(const std::vector<Vec3d>& vectors) {
   return std::sqrt(largest2);
 }
 
-/// Damping force between the ends of a spring per direction at the start, in mN; 0 without one.
+/// Direction of a spring at the start, and how far its ends moved along it; 0 without one.
 struct DampedSpring {
   Vec3d along{0, 0, 0};
   double apart_mm = 0;  // how far the ends moved from each other along it
@@ -48,7 +48,7 @@ ImplicitEuler::ImplicitEuler(SpringSystem& system, const Params& params, const P
   }
 }
 
-/// Nodes that were pressed and moved along a curved surface stay on it.
+/// Puts pressed nodes that moved along a curved surface back onto it.
 void ImplicitEuler::stay_on_shapes() {
   constexpr double kSmooth = 0.9;
   for (const PressedNode& p : m_pressed) {

@@ -25,7 +25,7 @@ class ImplicitEuler final : public SpringIntegrator {
     int newton_steps = 2;           // at most; 1: linearised
     int newton_steps_bounded = 20;  // the same where there are shapes or an awake barrier
     /// Newton ends below this part of the largest force (inertia included) at the step's start, or
-    /// below so many mN.
+    /// below `tolerance_mn`.
     double relative_tolerance = 1e-3;
     double tolerance_mn = 0;
   };
@@ -38,8 +38,8 @@ class ImplicitEuler final : public SpringIntegrator {
 
  private:
   SpringStepReport advance(double dt_s) override;
-  /// -grad Phi in mN, 0 at held nodes and without the pressure on shapes; returns its largest
-  /// length with that.
+  /// Finds -grad Phi in mN, 0 at held nodes and without the pressure on shapes; returns its largest
+  /// length with that pressure.
   double descent(double dt_s, SpringStepReport& report);
   double potential(double dt_s) const;
   double mass_factor(double dt_s) const;

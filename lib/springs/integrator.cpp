@@ -37,7 +37,7 @@ SpringStepReport SpringIntegrator::step(double dt_s, const Progress* progress) {
     m_held_start.push_back(start);
     m_held_velocity.push_back((held.target_mm - start) / dt_s);
   }
-  // The inertia of a held node: what it takes to give it its speed of this step.
+  // The inertia of a held node: the force that gives it its speed of this step, reversed.
   for (std::size_t n = 0; n < m_system.held.size(); ++n) {
     const int node = m_system.held[n].node;
     const Vec3d change = m_held_velocity[n] - m_system.velocity_mm_s[node];

@@ -28,7 +28,7 @@ struct SpringStepReport {
   double penetration_mm = 0;  // deepest that contact left
   int without_direction = 0;  // springs of length 0 that were met
 
-  /// Both together: counts added, the largest residual and penetration.
+  /// Adds a report: counts are added, the largest residual and penetration stay.
   SpringStepReport& operator+=(const SpringStepReport& next);
 };
 
@@ -42,9 +42,9 @@ class SpringIntegrator {
   SpringIntegrator(const SpringIntegrator&) = delete;
   SpringIntegrator& operator=(const SpringIntegrator&) = delete;
 
-  /// One step of dt_s seconds. Held nodes move to their targets at constant speed, and stand still
-  /// when these stay. Throws InputError when dt is not positive or not finite, and Cancelled when
-  /// `progress` cancels: whatever is thrown, the system is as it was before the step.
+  /// Makes one step of dt_s seconds. Held nodes move to their targets at constant speed, and stand
+  /// still when these stay. Throws InputError when dt is not positive or not finite, and Cancelled
+  /// when `progress` cancels: whatever is thrown, the system is as it was before the step.
   SpringStepReport step(double dt_s, const Progress* progress = nullptr);
 
   /// The force with which the body pulls at each held node's holder, in N, in the order of
@@ -53,20 +53,20 @@ class SpringIntegrator {
   SpringEnergy energy() const { return supple::energy(m_system); }
 
  protected:
-  /// One step without the common part: held nodes and reactions.
+  /// Makes one step without the common part: held nodes and reactions.
   virtual SpringStepReport advance(double dt_s) = 0;
 
-  /// Of this step, to be polled every few milliseconds.
+  /// The progress of this step, to be polled every few milliseconds.
   const Progress* progress() const { return m_progress; }
-  /// Positions, velocities and reactions as at the start of this step, nodes inside shapes put out.
+  /// Restores positions, velocities and reactions of the start of this step; nodes leave shapes.
   ContactReport begin_again();
 
-  /// Where held nodes are and how fast at `part` (0…1) of the present step.
+  /// Sets positions and velocities of held nodes at `part` (0…1) of the present step.
   void place_held(double part);
   /// Adds the present forces of the springs at held nodes (`force` in mN, all nodes) to the mean,
   /// by `weight`.
   void add_reactions(const std::vector<Vec3d>& force, double weight);
-  /// Contact at the end of a substep, counted.
+  /// Resolves and counts contact at the end of a substep.
   void end_contacts(const std::vector<Vec3d>& start_mm, double dt_s, SpringStepReport& report);
 
   SpringSystem& m_system;

@@ -13,12 +13,12 @@ namespace supple {
 enum class SpringMethod { symplectic, implicit, xpbd, projective };
 
 const char* name_of(SpringMethod method);
-/// None for an unknown name.
+/// The method of that name; none for an unknown one.
 std::optional<SpringMethod> spring_method(const std::string& name);
-/// In the order of the enumerators.
+/// The names of all methods, in the order of the enumerators.
 const std::vector<std::string>& spring_method_names();
 
-/// With the default parameters of its class. Throws InputError as validate(system), and Cancelled.
+/// Makes one with its default parameters. Throws InputError as validate(system), and Cancelled.
 std::unique_ptr<SpringIntegrator> make_integrator(SpringMethod method, SpringSystem& system,
                                                   const Progress* progress = nullptr);
 

@@ -72,7 +72,7 @@ class Builder {
     }
   }
 
-  /// After add_springs().
+  /// Adds the barrier, after add_springs(); none where more than one axis has a single slice.
   void add_barrier() {
     const Vec3i& dims = m_body.geometry.dims();
     int flat_axis = -1, flat_axes = 0;
@@ -87,7 +87,7 @@ class Builder {
   }
 
  private:
-  /// Of the link to the next voxel along the axis, with what plastic flow left.
+  /// Rest vector in mm of the link to the next voxel along the axis, with what plastic flow left.
   Vec3d rest_of(Slot low, int axis) const {
     const auto& axes = m_body.geometry.axes_mm();
     Vec3d rest = axes[std::size_t(axis)];
@@ -100,8 +100,8 @@ class Builder {
     return neighbour_slot(m_body.elements, m_body.cuts, from, axis, true, to);
   }
 
-  /// Both diagonals of the square between the axes; `next` lies one step along `axis`. Their rest
-  /// is the mean of both ways round.
+  /// Adds both diagonals of the square between the axes; `next` lies one step along `axis`. Their
+  /// rest is the mean of both ways round.
   void add_diagonals(Slot slot, Slot next, int axis, int other) {
     Slot side, corner, same_corner;
     if (!link(slot, other, side) || !link(next, other, corner) || !link(side, axis, same_corner)) {
@@ -113,7 +113,7 @@ class Builder {
     add(next, side, along - across, m_params.shear_n_m);
   }
 
-  /// Of an element, those to elements below it left out.
+  /// The most springs of an element, those to elements below it left out.
   std::size_t most_springs() const {
     constexpr std::size_t kLinks = 3, kDiagonals = 6, kBends = 3;
     return (m_params.structural_n_m > 0 ? kLinks : 0) + (m_params.shear_n_m > 0 ? kDiagonals : 0) +
@@ -128,7 +128,7 @@ class Builder {
     m_result.system.springs.push_back({m_node[a], m_node[b], between.length(), k, damping});
   }
 
-  /// Of the table's values at both ends.
+  /// The mean of the table's values at both ends.
   double mean(const std::vector<double>& table, Slot a, Slot b, double without) const {
     return 0.5 * (class_value(table, m_body.classes[a], without) +
                   class_value(table, m_body.classes[b], without));

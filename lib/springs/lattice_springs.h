@@ -50,22 +50,21 @@ struct LatticeSprings {
   int node_of(Slot slot) const;
 };
 
-/// Rest lengths in mm from the lattice and the body's rest stretches, positions and velocities of
-/// the body. A diagonal
-/// needs all four voxels and links of its square, a bending spring its middle voxel and both links:
-/// a spring never joins the sides of a cut. Throws InputError as validate(), and for an element
-/// without mass; Cancelled.
+/// Makes springs: rest lengths in mm from the lattice and the body's rest stretches, positions and
+/// velocities of the body. A diagonal needs all four voxels and links of its square, a bending
+/// spring its middle voxel and both links: a spring never joins the sides of a cut. Throws
+/// InputError as validate(), and for an element without mass; Cancelled.
 LatticeSprings make_springs(const Body& body, const LatticeSpringParams& params,
                             const Progress* progress = nullptr);
 
-/// Positions, from offsets and their fractions, and velocities of the body.
+/// Takes positions, from offsets and their fractions, and velocities of the body.
 void take_state(const Body& body, LatticeSprings& springs);
 
-/// Positions as offsets with fractions, rounded to 2^-32 voxel, and velocities: a state taken by
-/// take_state() goes back bit for bit. Velocities that are all 0 take no memory in the body. Unless
-/// nothing moved, links are not known to be valid afterwards (check_links, project). Returns the
-/// largest rounding in voxels. Throws InputError for an offset beyond +-16383 voxels; the body is
-/// unchanged then.
+/// Gives positions as offsets with fractions, rounded to 2^-32 voxel, and velocities: a state taken
+/// by take_state() goes back bit for bit. Velocities that are all 0 take no memory in the body.
+/// Unless nothing moved, links are not known to be valid afterwards (check_links, project). Returns
+/// the largest rounding in voxels. Throws InputError for an offset beyond +-16383 voxels; the body
+/// is unchanged then.
 double give_state(const LatticeSprings& springs, Body& body);
 
 }  // namespace supple

@@ -22,15 +22,15 @@ struct MeshSpringParams {
   void validate() const;
 };
 
-/// Rest lengths from the rest positions, positions and velocities as they are. A node's mass is its
-/// share, in equal parts, of the connectors at rest: the volume of tetrahedra; of triangles, where
-/// there are no tetrahedra, area times thickness; of links of neither, length times section. Throws
-/// InputError also for a node without mass.
+/// Makes springs: rest lengths from the rest positions, positions and velocities as they are. A
+/// node's mass is its share, in equal parts, of the connectors at rest: the volume of tetrahedra;
+/// of triangles, where there are no tetrahedra, area times thickness; of links of neither, length
+/// times section. Throws InputError also for a node without mass.
 SpringSystem make_springs(const MeshBody& body, const MeshSpringParams& params);
 
-/// The present positions and velocities of the system (made from this body) to the body and back.
-/// Velocities that are all 0 take no memory in the body. Throws InputError when the numbers of
-/// nodes differ.
+/// Give the present positions and velocities of the system (made from this body) to the body, and
+/// take them back. Velocities that are all 0 take no memory in the body. Throws InputError when the
+/// numbers of nodes differ.
 void give_state(const SpringSystem& system, MeshBody& body);
 void take_state(const MeshBody& body, SpringSystem& system);
 

@@ -11,7 +11,7 @@ namespace supple {
 
 namespace {
 
-// What conjugate gradients leave of the forces. With 1e-4 as many steps lead to the minimum
+// Part of the forces that conjugate gradients leave. With 1e-4 as many steps lead to the minimum
 // and take three to five times as long.
 constexpr double kInexact = 1e-2;
 
@@ -28,7 +28,7 @@ double potential(const SpringSystem& system, const std::vector<Vec3d>& from) {
   return sum + system.barrier.energy_uj(system.pos_mm);
 }
 
-/// The forces, 0 at held nodes; returns the largest.
+/// Finds the forces, 0 at held nodes; returns the largest.
 double free_forces(const SpringSystem& system, const std::vector<char>& is_held,
                    std::vector<Vec3d>& force) {
   forces_mn(system, force, Damping::without);
@@ -86,7 +86,7 @@ bool Minimiser::step(const Progress* progress) {
   return descends || m_mass_factor <= 4 * m_highest;
 }
 
-/// Along the step, halved until the energy does not rise.
+/// Goes along the step, halved until the energy does not rise.
 bool Minimiser::descend() {
   constexpr int kHalvings = 20;
   m_before = m_system.pos_mm;

@@ -94,7 +94,7 @@ SpringStepReport ProjectiveDynamics::advance(double dt_s) {
   factorise(dt_s);
   m_start = m_system.pos_mm;
   m_goal.resize(m_system.springs.size());
-  // Inertia, weight and mass damping: what the start says of the right-hand side.
+  // Inertia, weight and mass damping: the part of the right-hand side that the start gives.
   m_inertia.resize(m_system.node_count());
   const double alpha = m_system.mass_damping_per_s;
   for (std::size_t n = 0; n < m_system.node_count(); ++n) {

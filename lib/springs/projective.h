@@ -32,7 +32,7 @@ class ProjectiveDynamics final : public SpringIntegrator {
   /// Steps of another length, or another mass damping, factorise anew.
   SpringStepReport advance(double dt_s) override;
   void factorise(double dt_s);
-  /// The springs' part of the right-hand side, and their forces at held nodes.
+  /// Finds m_goal, the springs' part of the right-hand side and of their forces at held nodes.
   void project_springs(double dt_s);
 
   Params m_params;

@@ -95,9 +95,9 @@ void SpringMatrix::add_block(const SpringRows& place, const SymmetricBlock& bloc
   if (place.coupling >= 0) add(m_coupling[place.coupling], block, -1);
 }
 
-/// Of W b'' (sum of c_i.de_i)^2 over the edges, which is at most W b'' sum |c_j| times the sum of
-/// (c_i.de_i)^2 / |c_i|: a spring per edge. Ends that no spring joins are as if each were joined to
-/// the world, twice.
+/// Adds a bound of W b'' (sum of c_i.de_i)^2 over the edges: at most W b'' sum |c_j| times the sum
+/// of (c_i.de_i)^2 / |c_i|, a spring per edge. Ends that no spring joins count as if each were
+/// joined to the world, twice as stiff.
 void SpringMatrix::add_barrier(const SpringSystem& system) {
   for (const CellBarrier::Corner& corner : system.barrier.awake()) {
     const CellBarrier::Response response = system.barrier.response(corner, system.pos_mm);

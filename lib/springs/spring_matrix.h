@@ -35,20 +35,20 @@ class SpringMatrix {
   SpringMatrix(const SpringMatrix&) = delete;
   SpringMatrix& operator=(const SpringMatrix&) = delete;
 
-  /// A = diag(mass_factor m) + K(pos) + damping_factor sum d n n^T, n along the springs of
-  /// `damping_pos`. In mN/mm. Throws Cancelled.
+  /// Assembles A = diag(mass_factor m) + K(pos) + damping_factor sum d n n^T, n along the springs
+  /// of `damping_pos`. In mN/mm. Throws Cancelled.
   void assemble(const SpringSystem& system, double mass_factor, double damping_factor,
                 const std::vector<Vec3d>& damping_pos, const Progress* progress = nullptr);
-  /// The same, pressed nodes as good as fixed along their normals; then its factors. False when A
-  /// is not positive definite.
+  /// Assembles the same, pressed nodes as good as fixed along their normals; then finds its
+  /// factors. False when A is not positive definite.
   bool factorise(const SpringSystem& system, double mass_factor, double damping_factor,
                  const std::vector<Vec3d>& damping_pos,
                  const std::vector<PressedNode>& pressed = {}, const Progress* progress = nullptr);
-  /// A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at `tolerance`
-  /// times |b| (BlockGradients::solve) and throw Cancelled.
+  /// Solves A x = b for the free nodes, in place; 0 for held ones. Conjugate gradients end at
+  /// `tolerance` times |b| (BlockGradients::solve) and throw Cancelled.
   void solve(std::vector<Vec3d>& x, double tolerance, const Progress* progress = nullptr);
 
-  /// Coulomb's law after assemble(): the ways back y along the surfaces that minimise
+  /// Applies Coulomb's law after assemble(): finds the ways back y along the surfaces that minimise
   /// y A y / 2 + sum of friction |slip + y|, all other nodes at rest. Sweeps node by node.
   void take_back(std::vector<SlidingNode>& sliding) const;
 
@@ -67,7 +67,7 @@ class SpringMatrix {
     std::vector<int> first_of_row;              // among them, and one more
     std::vector<int> coupling_of_spring;        // -1: none
 
-    /// Of two rows; -1: none.
+    /// Coupling of two rows; -1: none.
     int coupling_of(int a, int b) const;
   };
   static Pattern analyse(const SpringSystem& system, const std::vector<char>& is_held,

@@ -61,8 +61,8 @@ void validate(const SpringSystem& system);
 void hold(SpringSystem& system, int node);
 /// Lets a node go; its velocity stays.
 void release(SpringSystem& system, int node);
-/// Where a held node is to be at the end of the next step. Throws InputError when it is not held or
-/// the target is not finite.
+/// Sets where a held node is to be at the end of the next step. Throws InputError when it is not
+/// held or the target is not finite.
 void drive(SpringSystem& system, int node, const Vec3d& target_mm);
 
 /// Present energies in J. Gravity's is -m g.x, 0 at the origin of the world. A held node counts.
@@ -75,12 +75,12 @@ struct SpringEnergy {
 };
 SpringEnergy energy(const SpringSystem& system);
 
-/// Loops over the springs of a solid, which may be 20 million, look for a wish to stop so often.
+/// Springs between two polls of a loop over the springs of a solid, which may be 20 million.
 constexpr std::size_t kSpringsPerPoll = 65536;
 
-/// Springs (stiffness, and damping unless `without_damping`), awake barrier, mass damping and
-/// gravity on every node, in mN. A spring of length 0 has no direction and pulls nowhere: returns
-/// how many there are. Throws Cancelled. About 10 ns per spring.
+/// Sums the forces of springs (stiffness, and damping unless Damping::without), awake barrier, mass
+/// damping and gravity on every node, in mN. A spring of length 0 has no direction and pulls
+/// nowhere: returns how many there are. Throws Cancelled. About 10 ns per spring.
 enum class Damping { with, without };
 int forces_mn(const SpringSystem& system, std::vector<Vec3d>& force, Damping damping,
               const Progress* progress = nullptr);

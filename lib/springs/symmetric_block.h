@@ -7,7 +7,7 @@
 
 namespace supple {
 
-/// xx, yy, zz, xy, xz, yz.
+/// Entries xx, yy, zz, xy, xz, yz.
 using SymmetricBlock = std::array<double, 6>;
 
 inline Vec3d times(const SymmetricBlock& a, const Vec3d& x) {
@@ -15,7 +15,7 @@ inline Vec3d times(const SymmetricBlock& a, const Vec3d& x) {
           a[4] * x.x + a[5] * x.y + a[2] * x.z};
 }
 
-/// False when it is not positive definite, or not a number.
+/// Inverts a block; false when it is not positive definite, or not a number.
 inline bool invert(const SymmetricBlock& a, SymmetricBlock& inverse) {
   const auto [xx, yy, zz, xy, xz, yz] = a;
   const double c_xx = yy * zz - yz * yz, c_xy = xz * yz - xy * zz, c_xz = xy * yz - xz * yy;

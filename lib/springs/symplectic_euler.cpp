@@ -67,7 +67,7 @@ double SymplecticEuler::conserved(double h) {
   return sum + present_energy();
 }
 
-/// Of the springs and of free nodes, in uJ.
+/// Energy of the springs, the barrier and free nodes, in uJ.
 double SymplecticEuler::present_energy() const {
   double sum = 0;
   for (std::size_t n = 0; n < m_system.node_count(); ++n) {
@@ -80,7 +80,7 @@ double SymplecticEuler::present_energy() const {
   return sum + m_system.barrier.energy_uj(m_system.pos_mm);
 }
 
-/// What holders do against the present forces in a time h, in uJ.
+/// Work of holders against the present forces in a time h, in uJ.
 double SymplecticEuler::work_on_held(double h) const {
   double sum = 0;
   for (const HeldNode& held : m_system.held) {
@@ -98,8 +98,8 @@ void SymplecticEuler::move_nodes(double h) {
   }
 }
 
-/// Contact at the end of a substep. Where it moves a node by d, the conserved sum of a linear
-/// system grows by the node's kinetic energy and -F.d / 2, F the force at the start of the substep.
+/// Ends a substep with contact. Where that moves a node by d, the conserved sum of a linear system
+/// grows by the node's kinetic energy and -F.d / 2, F the force at the start of the substep.
 void SymplecticEuler::touch(double h, SpringStepReport& report) {
   if (m_system.colliders.empty()) return;
   m_before_pos = m_system.pos_mm;
@@ -113,7 +113,7 @@ void SymplecticEuler::touch(double h, SpringStepReport& report) {
   }
 }
 
-/// Wakes the barrier and asks whether what is awake allows such substeps.
+/// Wakes the barrier; true where its awake corners allow substeps of h.
 bool SymplecticEuler::is_stable(double h) {
   m_system.barrier.wake(m_system.pos_mm);
   if (m_system.barrier.awake().empty()) return true;

@@ -24,7 +24,7 @@ namespace supple {
 class SymplecticEuler final : public SpringIntegrator {
  public:
   struct Params {
-    /// Past the limit: cut the step into substeps of at most `safety` times the limit, or refuse.
+    /// True: a step past the limit is cut into substeps of at most `safety` times it; else refused.
     bool substep = true;
     double safety = 0.9;        // in (0, 1)
     int max_substeps = 100000;  // more are refused
@@ -43,13 +43,13 @@ class SymplecticEuler final : public SpringIntegrator {
   /// in the shortest substeps.
   SpringStepReport advance(double dt_s) override;
   double substeps_of(double dt_s, int stiff_halvings) const;
-  /// Nothing where the barrier is too stiff for the substeps.
+  /// Makes the substeps; nothing where the barrier is too stiff for them.
   std::optional<SpringStepReport> run(double dt_s, double substeps);
   bool is_stable(double h);
   void move_nodes(double h);
   void touch(double h, SpringStepReport& report);
   double work_on_held(double h) const;
-  /// In uJ, gravity against the start of the step.
+  /// The conserved sum in uJ, gravity against the start of the step.
   double conserved(double h);
   double present_energy() const;
 

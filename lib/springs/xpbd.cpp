@@ -61,7 +61,7 @@ int Xpbd::solve_spring(std::size_t n, double h) {
   return 0;
 }
 
-/// The same of an awake corner, whose force W b'(s) is not linear.
+/// Solves an awake corner like a spring; its force W b'(s) is not linear.
 void Xpbd::solve_corner(std::size_t n, double h) {
   const CellBarrier::Corner& corner = m_system.barrier.awake()[n];
   const CellBarrier::Response found = m_system.barrier.response(corner, m_system.pos_mm);
