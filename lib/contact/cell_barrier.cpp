@@ -47,7 +47,7 @@ CellBarrier::CellBarrier(const std::array<Vec3d, 3>& axes_mm, int flat_axis,
       m_flat_axis(flat_axis),
       m_nodes(std::move(nodes)) {}
 
-/// Bit a of a corner's index: at the far end of axis a. Both ends of a flat axis are one node.
+/// Finds a cell's corners; bit a of an index: far end of axis a. A flat axis has but one node.
 bool CellBarrier::cell_at(int node, std::array<int, 8>& corners) const {
   corners[0] = node;
   for (int axis = 0, count = 1; axis < 3; ++axis, count *= 2) {
@@ -101,9 +101,9 @@ double CellBarrier::ratio(const std::array<int, 8>& cell, int corner,
   return volume_of(edges) * m_inverse_volume_mm3;
 }
 
-/// Per node whether an edge to the next is far from its rest. Cells without such edges are well
-/// above the threshold: with D = change of the edges times the inverse of the axes, |D| <= 0.4 and
-/// J = det(1 + D) >= (1 - |D|)^3. Empty: there is none.
+/// Marks nodes with an edge to the next one that is far from its rest. Cells without such edges are
+/// well above the threshold: with D = change of the edges times the inverse of the axes, |D| <= 0.4
+/// and J = det(1 + D) >= (1 - |D|)^3. Empty: there is none.
 std::vector<char> CellBarrier::rough_nodes(const std::vector<Vec3d>& pos_mm) const {
   constexpr double kLargest = 0.4;
   double inverse2 = 0;  // squared norm of the inverse of the axes

@@ -64,7 +64,7 @@ SurfaceDistance distance_of(const MeshShape& s, const Vec3d& p) {
   return s.surface->distance_to(p - s.offset_mm);
 }
 
-/// Spares most nodes the search for the nearest triangle.
+/// True where the box of a mesh alone clears a point: most nodes need no search for a triangle.
 bool is_clear(const Collider& collider, const Vec3d& p, double reach_mm) {
   const auto* mesh = std::get_if<MeshShape>(&collider.shape);
   return mesh != nullptr &&
@@ -185,7 +185,7 @@ double push_out(const std::vector<Collider>& colliders, const Vec3d& start_mm, d
     }
     if (left <= kToleranceMm) return 0;
   }
-  // The last round moved it; what is left now is what counts.
+  // The last round moved the node; the depth that is left now counts.
   left = 0;
   for (const Collider& collider : colliders) {
     left = std::max(left, collider.thickness_mm - distance_to(collider.shape, pos_mm).distance_mm);

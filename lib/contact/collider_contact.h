@@ -67,8 +67,8 @@ struct SurfaceDistance {
 };
 SurfaceDistance distance_to(const Shape& shape, const Vec3d& pos_mm);
 
-/// How deep a point lies in the shape and the distance that it keeps, and the direction out; below
-/// 0 outside, where it stands for anything farther than `reach`.
+/// Depth of a point in the shape and the distance that it keeps, and the direction out; below 0
+/// outside, where it stands for anything farther than `reach_mm`.
 double depth_in(const Collider& collider, const Vec3d& pos_mm, double reach_mm, Vec3d& normal);
 
 /// A point after friction took back its slip along the surface, up to mu times the depth to which
@@ -82,7 +82,7 @@ struct PressedNode {
   Vec3d normal;  // out of the shape
   double force_mn;
 };
-/// Those of the free nodes that touch a shape and whose force points into it, which loses that
+/// Finds the free nodes that touch a shape and whose force points into it; the force loses that
 /// part.
 std::vector<PressedNode> take_pressure(const std::vector<Collider>& colliders,
                                        const std::vector<char>& is_held,
@@ -103,7 +103,7 @@ double push_out(const std::vector<Collider>& colliders, const Vec3d& start_mm, d
 ContactReport leave_shapes(const std::vector<Collider>& colliders, const std::vector<char>& is_held,
                            std::vector<Vec3d>& pos_mm);
 
-/// The end of a step: nodes out of the shapes, and the velocities of those that touch to
+/// Ends a step: takes nodes out of the shapes, and sets the velocities of those that touch to
 /// (pos - start) / dt.
 ContactReport resolve_contacts(const std::vector<Collider>& colliders,
                                const std::vector<char>& is_held, const std::vector<Vec3d>& start_mm,

@@ -10,7 +10,7 @@ namespace {
 
 /// Neighbouring links of a sheet are crossed at heights that differ by no more, in voxels.
 constexpr double kSteepest = 1.6;
-/// Of cut links of all axes nearby, the axis of a sheet has at least this part of the most.
+/// The axis of a sheet has at least this part of the cut links nearby that any axis has.
 constexpr double kDominant = 0.7;
 /// Points further before the other lip than this are not kept from it, in voxels.
 constexpr double kNear = 3;
@@ -138,7 +138,7 @@ void CutLips::join_sheets(int axis) {
   const auto nearest = [&](int n, int along, int step) {
     return neighbour(axis, at, sheets.lips[std::size_t(n)], along, step);
   };
-  // Of layers near each other, lips of one.
+  // Joins lips of one layer, where layers lie near each other: each is nearest to the other.
   const auto next = [&](int n, int along, int step) {
     const int other = n < 0 ? -1 : nearest(n, along, step);
     return other >= 0 && nearest(other, along, -step) == n ? other : -1;

@@ -48,11 +48,11 @@ struct LipsBefore {
 /// Follows the body from one question to the next, so only one thread at a time may ask.
 class CutLips {
  public:
-  /// Of the cut links between elements that are not both of rigid pieces. Both outlive this.
+  /// The lips of cut links between elements that are not both of rigid pieces. Both outlive this.
   CutLips(const Body& body, const LinkCuts& cuts);
 
   bool empty() const;
-  /// Whether the body has the elements, cut links and rigid pieces of which these were found.
+  /// True while the body has the elements, cut links and rigid pieces of which these were found.
   bool is_current() const;
   LipsBefore points_before();
 
@@ -65,8 +65,8 @@ class CutLips {
   };
   /// Contacts across one axis in the present state. Points more than two voxels behind a lip count
   /// where they lay `before` it: others came round the end of the cut. With Body::beyond, those
-  /// that lay too deep stay where they are. `part`: of the way out that overlapping points are to
-  /// go.
+  /// that lay too deep stay where they are. `part`: the part of the way out that overlapping points
+  /// are to go.
   Contacts contacts(int axis, const LipsBefore& before, double part = 1);
 
  private:

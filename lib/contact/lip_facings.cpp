@@ -16,7 +16,7 @@ double cross(double ux, double uy, double vx, double vy) {
   return ux * vy - uy * vx;
 }
 
-/// Inside a cell with corners (0, 0), (1, 0), (0, 1), (1, 1), or on its border: the weights.
+/// Weights inside a cell with corners (0, 0), (1, 0), (0, 1), (1, 1), or on its border; else false.
 bool weights_in(const std::array<double, 8>& corners, double x, double y,
                 std::array<double, 4>& weights) {
   double s = 0.5, t = 0.5;
@@ -72,7 +72,7 @@ LipFacings::LipFacings(const Body& body, const LinkCuts& cuts, const LipSheets& 
   for (int side = 0; side < 2; ++side) list_carriers(side);
 }
 
-/// The elements that carry a side on to its other end, as torn cells have it.
+/// Lists the elements that carry a side on to its other end, as torn cells have it.
 void LipFacings::list_carriers(int side_number) {
   const LinkCuts none;
   Side& side = m_sides[std::size_t(side_number)];
@@ -127,7 +127,7 @@ Vec3d LipFacings::point(int side_number, std::size_t n) const {
   return point;
 }
 
-/// Whether the offsets of a brick are others than before.
+/// Takes the offsets of a brick over; true where they are others than before.
 bool LipFacings::take_over(std::size_t b, Brick& brick) const {
   const bool is_new = brick.q.empty();
   brick.q.resize(3 * kBrickVoxels);
@@ -173,7 +173,7 @@ Vec3i LipFacings::square_of(std::size_t lip, const Vec3d& point) const {
   return {m_sheets.lips[lip].sheet, int(std::floor(point[m_u])), int(std::floor(point[m_v]))};
 }
 
-/// Puts points of a side where they are now. Returns the lips of which that is elsewhere.
+/// Puts points of a side where they are now. Returns the lips whose points have moved.
 std::vector<int> LipFacings::move_points(int side_number, const std::vector<int>& lips,
                                          Marks& is_stale) {
   Side& side = m_sides[std::size_t(side_number)];
@@ -198,7 +198,7 @@ std::vector<int> LipFacings::move_points(int side_number, const std::vector<int>
   return others;
 }
 
-/// Calls `visit(square)` for those over which a cell may lie.
+/// Calls `visit(square)` for the squares over which a cell may lie.
 template <class Visit>
 void LipFacings::for_squares(const LipSheets::Cell& cell, const std::array<double, 8>& c,
                              Visit&& visit) const {
@@ -253,7 +253,7 @@ void LipFacings::move_cells(int side_number, const std::vector<int>& of_lips, Ma
   }
 }
 
-/// Where a sheet has several layers, a lip faces what it lay on.
+/// True where a lip may face a cell: in a sheet of several layers only those that it lay on.
 bool LipFacings::is_of_one_layer(std::size_t n, const LipSheets::Cell& cell) const {
   bool is_layered = m_sheets.lips[n].is_layered, is_own = false;
   for (const int corner : cell.lips) {

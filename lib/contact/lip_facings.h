@@ -1,7 +1,7 @@
-// What the points of the lips of cuts face, followed from one state of the body to the next: bricks
-// of offsets are compared with what they were, and points whose elements moved, cells with such
-// points and the points over these are looked at anew. Cost: 2 us per cut link at first, later of
-// those that moved or whose other lip did; of the others a comparison of the bricks that they read.
+// Cells that the points of the lips of cuts face, followed from one state of the body to the next:
+// bricks of offsets are compared with what they were, and points whose elements moved, cells with
+// such points and the points over these are looked at anew. Cost: 2 us per cut link at first, later
+// per one that moved or whose other lip did; others cost a comparison of the bricks that they read.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct LipSheets {
     bool is_layered = false;  // another lip of the sheet lies before or behind it
   };
   /// Corners at (0, 0), (1, 0), (0, 1), (1, 1) along the other two axes: points of lips, or, where
-  /// a lip ends, what is half a voxel beyond them.
+  /// a lip ends, points half a voxel beyond them.
   struct Cell {
     std::array<int, 4> lips;
     std::array<double, 8> beyond{};  // u, v of each corner
@@ -35,17 +35,17 @@ struct LipSheets {
 
 class LipFacings {
  public:
-  /// Of the cuts of the body across an axis. All outlive it.
+  /// The facings of the cuts of the body across an axis. All arguments outlive it.
   LipFacings(const Body& body, const LinkCuts& cuts, const LipSheets& sheets, int axis);
 
-  /// Where a point of a lip is over a cell of the other one.
+  /// Place of a point of a lip over a cell of the other one.
   struct Facing {
     std::size_t cell;
     std::array<double, 4> weights;
     double gap;  // voxels along the axis; negative behind
     double slid;
   };
-  /// `visit(side, lip, facing)` for every point of a lip over a cell of the other lip, in the
+  /// Calls `visit(side, lip, facing)` for every point of a lip over a cell of the other lip, in the
   /// present state.
   template <class Visit>
   void for_each(Visit&& visit) {
@@ -76,7 +76,7 @@ class LipFacings {
     std::unordered_map<Vec3i, Square, VoxelHash> squares;
     std::vector<std::vector<Facing>> facings;  // of every point
   };
-  /// A brick of offsets as it was, and the lips whose points it has a say in.
+  /// A brick of offsets as it was, and the lips whose points depend on it.
   struct Brick {
     std::vector<std::int32_t> q;  // of three coordinates
     std::vector<int> lips;        // 2 * lip + side

@@ -129,7 +129,7 @@ MeshSurface::MeshSurface(const TriangleMesh& mesh) {
 MeshSurface::~MeshSurface() = default;
 
 SurfaceDistance MeshSurface::distance_to(const Vec3d& pos_mm) const {
-  // The boxes that are nearest, more of them until the last is farther than the best triangle.
+  // Try the boxes that are nearest, more of them until the last is farther than the best triangle.
   const Point query = point_of(pos_mm);
   const std::size_t count = m_tree->facets.size();
   double best2 = HUGE_VAL;

@@ -21,8 +21,8 @@ class MeshSurface {
   explicit MeshSurface(const TriangleMesh& mesh);
   ~MeshSurface();
 
-  /// Negative behind the triangles' backs (which face inwards where they wind clockwise seen from
-  /// outside). On the surface the normal is that of the face.
+  /// Signed distance, negative behind the triangles' backs (which face inwards where they wind
+  /// clockwise seen from outside). On the surface the normal is that of the face.
   SurfaceDistance distance_to(const Vec3d& pos_mm) const;
   /// True where the box around the mesh alone says that it is farther away than that.
   bool is_farther(const Vec3d& pos_mm, double distance_mm) const;

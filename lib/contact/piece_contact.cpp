@@ -8,7 +8,7 @@ namespace supple {
 
 namespace {
 
-/// Places per voxel of the way, and every how manyth is looked at first.
+/// Places per voxel of the way, and the step between those that are looked at first.
 constexpr int kPlaces = 256, kStride = 64;
 /// Parts of a way along which its length is measured.
 constexpr int kChords = 8;
@@ -41,8 +41,8 @@ Placing placing_of(const Geometry& geometry, const RigidPiece& piece, const Rigi
   return placing;
 }
 
-/// Back from `other`, then to where `piece` puts it: from the rest of the one to that of the other.
-/// Turns that are alike cancel exactly.
+/// Maps the rest of `piece` to that of `other`: by the pose of the one, then back by the pose of
+/// the other. Turns that are alike cancel exactly.
 Placing between_rests(const Body& body, const RigidPiece& piece, const RigidPose& pose,
                       const RigidPiece& other, const RigidPose& other_pose) {
   if (pose.turn == other_pose.turn) {
@@ -149,7 +149,7 @@ class PieceContact::Pair {
 
   bool may_meet() const { return !m_near.empty() || !m_other_near.empty(); }
 
-  /// None where these may lie at the end of the way as they do.
+  /// The meeting at the end of the way; none where these may lie there as they do.
   std::optional<PieceMeeting> meeting() {
     const auto [overlap, voxel] = deepest(1);
     if (overlap <= limit_at(1)) return std::nullopt;
@@ -158,8 +158,8 @@ class PieceContact::Pair {
     return PieceMeeting{int(m_piece), int(m_other), voxel, overlap, stop.part};
   }
 
-  /// Shortens `stop` to where these meet before; false where they do not. What has been found free
-  /// is not looked at again.
+  /// Shortens `stop` to where these meet before; false where they do not. Places that were found
+  /// free are not looked at again.
   bool shorten(PieceStop& stop) {
     const double voxels = stop.part * m_length_voxels;
     const auto last = std::int64_t(std::ceil(voxels * kPlaces));  // at `voxels`, at most
@@ -234,7 +234,7 @@ class PieceContact::Pair {
     m_length_voxels = *std::max_element(lengths.begin(), lengths.end());
   }
 
-  /// The voxels that may come near the other piece.
+  /// Chooses the voxels that may come near the other piece.
   void choose() {
     m_near = near(m_shape, seen_at(0), m_other_shape);
     if (m_turns) m_other_near = near(m_other_shape, seen_back_at(0), m_shape);

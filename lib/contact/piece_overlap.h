@@ -21,8 +21,8 @@ class OverlapJudge {
 
   /// The deepest overlap of voxels of two pieces, in voxels; 0 where none overlap.
   double deepest() const;
-  /// The deepest of pieces (in Body::rigid) in the others, on a way that all of them go and the
-  /// others do not: at `samples` equal parts of it, up to the first that is deeper than `enough`.
+  /// The deepest overlap of pieces (in Body::rigid) with others, on a way that they go and others
+  /// do not: at `samples` equal parts of it, up to the first that is deeper than `enough`.
   double deepest_on_way(const std::vector<std::size_t>& moved, const RigidMotion& way, int samples,
                         double enough = 1) const;
 

@@ -1,4 +1,4 @@
-// What contact of the sides of cuts did to a step.
+// Report on contact of the sides of cuts in a step.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ struct SidesReport {
   std::int64_t left = 0;         // points that still are too deep behind it
   std::int64_t deepened = 0;     // of these, deeper than before the move
   double left_voxels = 0;        // the deepest of those that are left
-  /// Of a side at rest, where the deepest is, of those that are left if any are.
+  /// Voxel of a side at rest where the deepest point is, of those that are left if any are.
   Vec3i voxel{0, 0, 0};
-  /// Of the drag, in 1/kContactParts, which what is held on both sides leaves room for.
+  /// Part of the drag, in 1/kContactParts, for which elements held on both sides leave room.
   int parts = kContactParts;
-  /// Bones have moved and left no room: what is left was pressed between them.
+  /// True where bones have moved and left no room: points that are left were pressed between them.
   bool is_crushed = false;
 };
 
