@@ -28,7 +28,7 @@ struct Candidate {
   int axis;
   bool ahead;  // the candidate is the end at the higher index
 
-  /// Whether it waits behind another, for std heaps.
+  /// True where it waits behind another, for std heaps.
   bool operator<(const Candidate& other) const {
     if (priority != other.priority) return priority < other.priority;
     return slot != other.slot ? slot > other.slot : sponsor > other.sponsor;
@@ -74,7 +74,7 @@ class BallDrag {
     m_held.grabbed.for_each([&](Slot slot) { add_neighbours(slot); });
   }
 
-  /// The candidate list of section 4.2.2 on lengths.
+  /// Works through the candidate list of section 4.2.2, on lengths.
   void propagate() {
     while (!m_queue.empty()) {
       if (m_report.moves % kMovesPerReport == 0) report(m_progress, 0);
@@ -168,14 +168,14 @@ class BallDrag {
            stamp(candidate.sponsor) != candidate.sponsor_stamp;
   }
 
-  /// From sponsor to candidate, in voxels.
+  /// The link from sponsor to candidate, in voxels.
   Vec3d link_of(const Candidate& candidate) {
     Vec3d link = place(candidate.slot) - place(candidate.sponsor);
     link[candidate.axis] += candidate.ahead ? 1 : -1;
     return link;
   }
 
-  /// The mover is the sponsor of its neighbours, except that fixed ones move it back.
+  /// Adds links to neighbours, whose sponsor the mover is, except that fixed ones move it back.
   void add_neighbours(Slot mover) {
     for (int axis = 0; axis < 3; ++axis) {
       for (const bool ahead : {false, true}) {
@@ -223,8 +223,8 @@ class BallDrag {
                          m_body.classes[candidate.sponsor]);
   }
 
-  /// Figure 4.19: onto the nearest allowed length, on the line to the sponsor. Where both coincide
-  /// there is no line, and the link's direction at rest is taken.
+  /// Moves a candidate (figure 4.19) onto the nearest allowed length, on the line to the sponsor.
+  /// Where both coincide there is no line, and the link's direction at rest is taken.
   void move(const Candidate& candidate) {
     const BallLinks::Range range = range_of(candidate);
     Vec3d rest(0);
@@ -247,7 +247,7 @@ class BallDrag {
     return std::int32_t(std::lround(m_pages[b]->u[std::size_t(offset)][c] * kFixedOne));
   }
 
-  /// Whether a coordinate of a brick changed. Throws InputError beyond the range.
+  /// True where a coordinate of a brick changed. Throws InputError beyond the range.
   bool changes(std::size_t b, int c) const {
     bool found = false;
     for_each_active(m_pages[b]->moved, [&](int offset) {

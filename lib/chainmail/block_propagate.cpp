@@ -39,7 +39,7 @@ class BrickVisit {
   }
   static int opposite(int face) { return opposite_face(face); }
 
-  /// Draws in what the neighbour across a face sends.
+  /// Draws in the levels that the neighbour across a face sends.
   void draw(int face) {
     const std::int32_t other = m_body.elements.neighbour(m_brick, face);
     alignas(64) Level own[kFaceVoxels];
@@ -126,7 +126,7 @@ int phase_of(const Vec3i& origin, int links) {
 BlockPropagator::BlockPropagator(const Body& body)
     : m_body(body), m_waiting(body.elements.brick_count()) {}
 
-/// Who the neighbours of all bricks are, where links lead across edges and corners.
+/// Finds the neighbours of all bricks, where links lead across edges and corners.
 void BlockPropagator::find_neighbours() {
   if (m_body.slacks.links() == 6 || !m_neighbours.empty()) return;
   m_neighbours.resize(m_body.elements.brick_count());
@@ -166,7 +166,7 @@ void BlockPropagator::run(const PropagationTask& task, const std::vector<Seed>& 
   drain(task, counts);
 }
 
-/// Neighbouring seeds of one brick are set together.
+/// Sets the seeds, neighbouring ones of one brick together.
 void BlockPropagator::set_seeds(const PropagationTask& task, const std::vector<Seed>& seeds) {
   for (std::size_t n = 0; n < seeds.size();) {
     const std::size_t brick = seeds[n].slot / kBrickVoxels;
@@ -251,7 +251,7 @@ void BlockPropagator::drain(const PropagationTask& task, PropagationCounts& coun
   counts.max_queue = std::max(counts.max_queue, std::int64_t(m_queue.max_size()));
 }
 
-/// After a run that an exception ended.
+/// Forgets the bricks that wait after a run that an exception ended.
 void BlockPropagator::forget_waiting() {
   std::fill(m_waiting.begin(), m_waiting.end(), Waiting{});
   for (auto& bricks : m_phases) bricks.clear();

@@ -29,10 +29,10 @@ class BlockPropagator {
   /// Keeps a reference to the body, whose elements, classes and slacks must not change.
   explicit BlockPropagator(const Body& body);
 
-  /// As Propagator::run. `bucket_shift`: levels within 2^bucket_shift units share a round.
+  /// Runs as Propagator::run. `bucket_shift`: levels within 2^bucket_shift units share a round.
   void run(const PropagationTask& task, const std::vector<Seed>& seeds, int bucket_shift,
            PropagationCounts& counts);
-  /// As Propagator::close.
+  /// Closes as Propagator::close.
   void close(const PropagationTask& task, int bucket_shift, PropagationCounts& counts);
 
   std::size_t bytes() const;

@@ -90,7 +90,7 @@ class ByteTable {
 
 }  // namespace
 
-/// Plain loads beat the gather instructions.
+/// Looks costs up. Plain loads beat the gather instructions.
 void gather_costs(const CostRow& row, const std::uint16_t* __restrict index, int count,
                   Level* __restrict out) {
   if (row.is_uniform) {
@@ -183,7 +183,7 @@ void look_up_along_k(const CostRow& row, const std::uint16_t* entries, const Bri
   }
 }
 
-/// q to level and back is the same map but for the bias: q or its mirror image.
+/// Mask that maps q to its level and back, but for the bias: to itself or to its mirror image.
 Level flip_of(Direction direction) {
   return direction == Direction::raise ? 0 : ~Level(0);
 }

@@ -32,9 +32,9 @@ BrickLinks links_inside(const BrickMask& elements, const LinkCuts::BrickCuts* cu
 void look_up_costs(const LinkCosts& costs, const std::uint8_t* classes, const BrickLinks& links,
                    BrickCosts& out);
 
-/// Offsets of a brick as levels.
+/// Loads the offsets of a brick as levels.
 void load_levels(const std::int32_t* q, Direction direction, Level* levels);
-/// Levels back to offsets; returns the faces on which an offset changed, as bits.
+/// Stores levels as offsets; returns the faces on which an offset changed, as bits.
 unsigned store_levels(const Level* levels, Direction direction, std::int32_t* q);
 
 /// Costs of 64 links across a face; `links` has the bits of those that exist.
@@ -43,7 +43,7 @@ void look_up_face_costs(const CostRow& row, int stride, const std::uint8_t* low_
 
 /// out[n] = row[index[n]] for a multiple of 64 links.
 void gather_costs(const CostRow& row, const std::uint16_t* index, int count, Level* out);
-/// kNoLink where a bit is missing, for `rows` times 8 costs.
+/// Sets costs to kNoLink where a bit is missing, for `rows` times 8 of them.
 void remove_missing(std::uint64_t links, int rows, Level* costs);
 
 /// Closes every row of 512 levels under the links along k; true when a level changed.

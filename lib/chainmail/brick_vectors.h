@@ -24,7 +24,7 @@ constexpr int kLanes = sizeof(Rows) / sizeof(Level);
 constexpr int kVectors = kBrickVoxels / kLanes;
 constexpr int kPlaneVectors = 64 / kLanes;
 
-/// Both sides of the choice signed, which compilers know as one instruction.
+/// The larger levels, compared as signed ones, which compilers know as one instruction.
 inline SlackRow larger(SlackRow a, SlackRow b) {
   const SignedRow x = SignedRow(a), y = SignedRow(b);
   return SlackRow(x > y ? x : y);

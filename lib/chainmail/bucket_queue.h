@@ -24,7 +24,7 @@ class BucketQueue {
   /// A power of two of buckets, which exist from the first reset on.
   explicit BucketQueue(std::size_t buckets) : m_mask(buckets - 1) {}
 
-  /// `downward`: later values are smaller than `start`, otherwise larger.
+  /// Empties the queue. `downward`: later values are smaller than `start`, otherwise larger.
   void reset(std::int32_t start, bool downward, int shift) {
     m_buckets.resize(m_mask + 1);
     bucket(m_current).clear();
@@ -39,7 +39,7 @@ class BucketQueue {
     m_far_first = kNever;
   }
 
-  /// `value` must not precede the bucket of the last popped entry.
+  /// Adds an entry; `value` must not precede the bucket of the last popped one.
   void push(Slot slot, std::int32_t value) {
     const std::uint64_t number = bucket_number(value);
     if (number <= m_current + m_mask) {
@@ -52,7 +52,7 @@ class BucketQueue {
     m_max_size = std::max(m_max_size, m_in_window + m_far.size());
   }
 
-  /// False when the queue is empty.
+  /// Takes the next entry out; false when the queue is empty.
   bool pop(QueueEntry& entry) {
     while (true) {
       auto& current = bucket(m_current);
@@ -101,7 +101,7 @@ class BucketQueue {
     return depth >> m_shift;
   }
 
-  /// Moves what now lies inside the window from the far array to its buckets.
+  /// Moves entries that now lie inside the window from the far array to their buckets.
   void fetch_far() {
     std::vector<QueueEntry> waiting;
     waiting.swap(m_far);

@@ -91,7 +91,7 @@ void CoordinateDrag::run(Direction direction, const std::vector<Seed>& seeds) {
   m_counts.max_queue = std::max(m_counts.max_queue, counts.max_queue);
 }
 
-/// What stops a move in that direction.
+/// The bounds that stop a move in that direction.
 const std::vector<Bound>& CoordinateDrag::held_bounds(Direction direction) const {
   const Holds& rest = m_held.rest;
   return (direction == Direction::raise ? rest.at_most : rest.at_least)[std::size_t(m_coordinate)];
@@ -115,7 +115,7 @@ void CoordinateDrag::for_each_held(std::size_t brick, Direction direction, Visit
   }
 }
 
-/// Only bricks that the run touched can hold any.
+/// Finds how far held elements went too far. Only bricks that the run touched can hold any.
 std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
   const std::int64_t sign = direction == Direction::raise ? 1 : -1;
   std::int64_t excess = 0;
@@ -128,7 +128,7 @@ std::int64_t CoordinateDrag::excess_of_held(Direction direction) const {
   return excess;
 }
 
-/// Only bricks that the run touched can hold any that limits.
+/// Rolls back, and seeds held elements. Only bricks that the run touched can hold any that limits.
 std::vector<Seed> CoordinateDrag::pulled_back(Direction direction, std::int32_t shift) {
   const std::vector<std::size_t> touched = m_undo.bricks();
   roll_back();

@@ -12,8 +12,8 @@ namespace {
 /// Rounds until lips that change their shape as they are pushed fit each other.
 constexpr int kMostRounds = 40;
 
-/// Of attempt(parts, is_first) the first, which is all of it, or that of the largest part that a
-/// bisection finds to leave no more overlap than there was, as long as `may_go_on()`.
+/// Reports attempt(parts, is_first): the first, which is all of it, or that of the largest part
+/// that a bisection finds to leave no more overlap than there was, as long as `may_go_on()`.
 template <class Attempt, class MayGoOn>
 SidesReport largest_part(Attempt&& attempt, MayGoOn&& may_go_on) {
   constexpr int kAll = CutContact::kDragParts;
@@ -90,8 +90,8 @@ bool CutContact::may_go_on(std::int64_t more_bricks) const {
   return m_effort == ContactEffort::full || m_changed_bricks + more_bricks < kMostLiveBricks;
 }
 
-/// The largest move in voxels; 0 where there is no room. Sides that are pressed give way further in
-/// the next round, so what is too far at once is done by halves.
+/// Parts lips across an axis; returns the largest move in voxels, 0 where there is no room. Sides
+/// that are pressed give way further in the next round, so a way too far at once is done by halves.
 double CutContact::part_across(int c, ContactProjection& projection) const {
   for (const double part : {1.0, 0.5, 0.25, 0.0625}) {
     if (!may_go_on(projection.changed_bricks())) break;
@@ -101,7 +101,7 @@ double CutContact::part_across(int c, ContactProjection& projection) const {
   return 0;
 }
 
-/// Adds what overlaps across an axis.
+/// Adds the overlap across an axis to the report.
 void CutContact::count(int c, const CutLips::Contacts& contacts, SidesReport& report) const {
   report.overlapping += contacts.overlapping;
   report.left += contacts.too_deep;

@@ -44,19 +44,19 @@ class CutContact {
   SidesReport drag(const SlotSet& fixed, Holds& holds, const std::function<void(int)>& move,
                    Progress* progress = nullptr);
 
-  /// The same for a move that is made once: of the way straight to where it ends the whole, or the
-  /// largest n / kDragParts that leaves room. Places on that way keep all limits, too, since these
-  /// are convex. Tissue does not stop rigid pieces: where any has moved it is the whole, and tissue
-  /// between them is crushed. Bounds that `holds` has after the move are those of the way's end,
-  /// and end where the way does.
+  /// The same for a move that is made once: it goes the straight way to its end by the whole, or by
+  /// the largest n / kDragParts that leaves room. Places on that way keep all limits, too, since
+  /// these are convex. Tissue does not stop rigid pieces: where any has moved it is the whole, and
+  /// tissue between them is crushed. Bounds that `holds` has after the move are those of the way's
+  /// end, and end where the way does.
   SidesReport go(const SlotSet& fixed, Holds& holds, const std::function<void()>& move,
                  Progress* progress = nullptr);
 
-  /// Takes overlapping lips apart. What is fixed or held and rigid pieces stay, and all links keep
-  /// their limits. Where these leave no room some overlap is `left`.
+  /// Takes overlapping lips apart. Fixed and held elements and rigid pieces stay, and all links
+  /// keep their limits. Where these leave no room some overlap is `left`.
   SidesReport part(const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
 
-  /// The overlap of now, all of it `left`.
+  /// Reports the present overlap, all of it `left`.
   SidesReport found() const;
 
  private:

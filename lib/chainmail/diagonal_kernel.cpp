@@ -60,8 +60,8 @@ Level* look_up_diagonal(const CostRow& row, const std::uint16_t* entries, const 
   return first;
 }
 
-/// The levels `Step` offsets before those of vector n of a plane; what lies beyond the plane, where
-/// links are missing, is some level of it.
+/// The levels `Step` offsets before those of vector n of a plane; lanes beyond the plane, where
+/// links are missing, have some level of it.
 template <int Step, std::size_t... Lane>
 inline Rows shifted(const Rows* plane, int n, std::index_sequence<Lane...>) {
   constexpr int kWhole = (Step + 16 * kLanes) / kLanes - 16, kPart = Step - kWhole * kLanes;
@@ -86,8 +86,8 @@ inline SlackRow row_at(const Level* levels) {
   return row;
 }
 
-/// What one diagonal carries into a plane (64 levels from offset `to` on) from the plane before it
-/// (Way 1) or after it (-1).
+/// Carries levels along one diagonal into a plane (64 levels from offset `to` on) from the plane
+/// before it (Way 1) or after it (-1).
 template <int Index, int Way>
 inline void carry(const DiagonalCosts& costs, const Rows* from, int to, Rows* into) {
   constexpr int kOffset = offset_of_direction(kUpDiagonals[Index]);
@@ -105,7 +105,7 @@ inline void carry_all(const DiagonalCosts& costs, const Rows* from, int to, Rows
   (carry<int(Index), Way>(costs, from, to, into), ...);
 }
 
-/// One plane from its neighbour plane, along the axis and all diagonals; true when a level changed.
+/// Raises a plane from its neighbour plane, along the axis and all diagonals; collects the changes.
 template <int Way>
 inline void step_plane(const BrickCosts& axes, const DiagonalCosts& diagonals, int to, Rows* plane,
                        Rows* levels, Rows& changed) {

@@ -25,7 +25,7 @@ struct alignas(64) DiagonalCosts {
   std::array<const Level*, 10> up, down;  // of voxel 0; null: no such link in the brick
 };
 
-/// Axis links and diagonals among the voxels of the brick.
+/// Looks up the costs of axis links and diagonals among the voxels of the brick.
 void look_up_costs(const LinkCosts& costs, const std::uint8_t* classes, const LinkMasks& links,
                    BrickCosts& axes, DiagonalCosts& diagonals);
 

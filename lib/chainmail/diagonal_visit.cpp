@@ -8,7 +8,7 @@ namespace supple {
 
 namespace {
 
-/// Around the 64 values of a face, so that those of a diagonal's other end can be read.
+/// Values around the 64 of a face, so that those of a diagonal's other end can be read.
 constexpr int kFaceHalo = 9;
 template <class T>
 struct HaloFace {
@@ -38,7 +38,7 @@ struct Crossing {
   std::uint8_t direction;
   std::uint16_t own, other;
 };
-/// All of them, of edges and corners: up to 22.
+/// All crossings of each edge and corner: up to 22.
 using CrossingsOfSides = std::array<std::vector<Crossing>, kDirections>;
 
 CrossingsOfSides find_crossings() {
@@ -57,15 +57,15 @@ CrossingsOfSides find_crossings() {
 }
 const CrossingsOfSides kCrossings = find_crossings();
 
-/// Whether a level of one end lies above that of the other: else no cost need be looked up.
+/// True where a level of one end lies above that of the other; else no cost need be looked up.
 bool any_above(const std::int32_t* levels, const std::int32_t* others) {
   std::int32_t any = 0;
   for (int n = 0; n < kFaceVoxels; ++n) any |= levels[n] > others[n] ? -1 : 0;
   return any != 0;
 }
 
-/// Links from the voxels of a face into the neighbour across it: `visit(direction, shift, bits)`,
-/// where the other end of voxel n is value n + shift of the neighbour's face.
+/// Calls `visit(direction, shift, bits)` for links from the voxels of a face into the neighbour
+/// across it, where the other end of voxel n is value n + shift of the neighbour's face.
 template <class Visit>
 void for_each_diagonal_across(const LinkMasks& links, int side, int face, Visit&& visit) {
   const int axis = axis_of_face(face);
@@ -94,7 +94,7 @@ DiagonalVisit::DiagonalVisit(const VisitContext& context, std::size_t brick)
   load_levels(offsets(brick), m_direction, m_levels);
 }
 
-/// Links across an edge or a corner: `visit(direction, own, other)` with the offsets of both ends.
+/// Visits links across an edge or corner: `visit(direction, own, other)`, the offsets of both ends.
 template <class Visit>
 void DiagonalVisit::for_each_link_to(int side, Visit&& visit) const {
   for (const Crossing& link : kCrossings[std::size_t(side)]) {
@@ -138,7 +138,7 @@ void DiagonalVisit::draw_face(int side, int face, std::size_t other) {
   put_face(own, face, reinterpret_cast<std::int32_t*>(m_levels));
 }
 
-/// The levels of the face of a neighbour that lies across a face.
+/// Takes the levels of the face of a neighbour that lies across a face.
 void DiagonalVisit::take_levels(std::size_t other, int face, std::int32_t* levels) const {
   take_face(offsets(other), opposite_face(face), levels);
   for (int n = 0; n < kFaceVoxels; ++n) levels[n] = std::int32_t(level_of(levels[n], m_direction));

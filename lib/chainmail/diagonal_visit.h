@@ -54,7 +54,7 @@ class DiagonalVisit {
     return m_body.classes.data() + brick * kBrickVoxels;
   }
 
-  /// Of a link in a row of costs.
+  /// Entry of a link in a row of costs.
   std::size_t entry_of(int own, std::size_t other, int there) const {
     return std::size_t(classes(m_brick)[own] * m_costs.stride() + classes(other)[there]);
   }

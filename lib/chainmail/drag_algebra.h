@@ -58,7 +58,7 @@ class DragAlgebra {
   /// InputError when handles contradict each other, whatever the anchors say.
   void try_whole(Fraction& fraction);
 
-  /// Whether try_whole() cut displacements of edges, so that redo() must follow.
+  /// True where try_whole() cut displacements of edges, so that redo() must follow.
   bool edges_yielded() const { return m_edges_yielded; }
 
   /// Starts over and moves the handles by that part.
@@ -108,12 +108,13 @@ class DragAlgebra {
     return seeds;
   }
 
-  /// The smallest (dist(a, b) - (q_a - u_b)) / D_a over elements a of handles that rise (D_a > 0)
-  /// and held upper bounds b. When all rise by the same D, the excess of the whole drag is D minus
-  /// the smallest numerator. Otherwise one run serves all pairs: held elements pulled down to u_b -
-  /// max D_a lower an element by max D_a minus its smallest numerator, unless that is negative.
-  /// Elements that the whole drag did not reach limit nothing. Sinking handles: mirrored. Elements
-  /// of edges limit nothing either: each by itself goes no further than its numerator.
+  /// Limits `fraction` to the smallest (dist(a, b) - (q_a - u_b)) / D_a over elements a of handles
+  /// that rise (D_a > 0) and held upper bounds b. When all rise by the same D, the excess of the
+  /// whole drag is D minus the smallest numerator. Otherwise one run serves all pairs: held
+  /// elements pulled down to u_b - max D_a lower an element by max D_a minus its smallest
+  /// numerator, unless that is negative. Elements that the whole drag did not reach limit nothing.
+  /// Sinking handles: mirrored. Elements of edges limit nothing either: each by itself goes no
+  /// further than its numerator.
   void limit_by_held(Direction direction, std::int64_t excess, Fraction& fraction) {
     const int sign = direction == Direction::raise ? 1 : -1;
     std::int32_t furthest = 0, nearest = INT32_MAX;
@@ -144,8 +145,8 @@ class DragAlgebra {
     });
   }
 
-  /// Every conflict between handles leaves the upper one of a pair below its lower bound: U of the
-  /// other one reaches it, since the configuration before the lowering is valid.
+  /// Throws where handles conflict, which leaves the upper one of a pair below its lower bound: U
+  /// of the other one reaches it, since the configuration before the lowering is valid.
   void require_agreement() {
     std::int64_t worst = 0;
     Target above{};

@@ -46,7 +46,7 @@ class OffsetsGuard {
   std::array<BrickArray<std::int16_t>, 3> m_fractions;
 };
 
-/// The body at its admissible offsets, with its bounds.
+/// Keeps the body and its bounds at admissible offsets while this lives.
 class AdmissibleDrag {
  public:
   AdmissibleDrag(Body& body, Holds& holds) : m_body(body), m_holds(holds), m_offsets(body) {
@@ -76,7 +76,7 @@ void from_admissible(const Body& body, std::vector<std::vector<ElementBounds>>& 
 
 using CoordinateDrags = std::vector<std::unique_ptr<CoordinateDrag>>;
 
-/// Elements that changed in any coordinate.
+/// Counts elements that changed in any coordinate.
 std::int64_t count_moved(const CoordinateDrags& drags) {
   std::vector<std::size_t> bricks;
   for (const auto& drag : drags) {
@@ -139,8 +139,8 @@ bool moves_along(const HeldVoxels& held, int coordinate) {
   });
 }
 
-/// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
-/// stop one of them, and with less of their edges when anchors stop those.
+/// Moves all coordinates to their whole targets; again, shortened by one common fraction, when
+/// anchors stop one of them, and with less of their edges when anchors stop those.
 CoordinateDrags solve(Body& body, HeldVoxels& held, const FreePieces& pieces,
                       Propagator& propagator, std::array<UndoLog, 3>& undo, bool whole_only,
                       Fraction& fraction, Progress* progress) {
@@ -160,7 +160,7 @@ CoordinateDrags solve(Body& body, HeldVoxels& held, const FreePieces& pieces,
   return drags;
 }
 
-/// The places that a push handle came to; one that was withdrawn beyond the range asks nothing
+/// Adds the places that a push handle came to; one that was withdrawn beyond the range asks nothing
 /// more.
 void add_bounds(const std::vector<ToolPlace>& places, const Fraction& fraction, bool asks,
                 std::vector<Bound>& bounds) {
@@ -170,7 +170,7 @@ void add_bounds(const std::vector<ToolPlace>& places, const Fraction& fraction, 
   }
 }
 
-/// What is held after the drag: the rest of the earlier holds, and its own handles.
+/// The holds after the drag: the rest of the earlier holds, and its own handles.
 Holds holds_after(const HeldVoxels& held, const Fraction& fraction) {
   Holds holds = held.rest;
   std::vector<SlotSet::Brick> anchored = holds.anchored.bricks();

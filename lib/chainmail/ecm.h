@@ -36,8 +36,8 @@ enum class HandleKind { two_sided, push };
 using GridSteps = std::array<Vec3d, 3>;
 inline const GridSteps kUnitSteps{Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)};
 
-/// A motion that turns or scales, as elements feel it that have no neighbour to show it: what it
-/// makes of the steps between places where it starts.
+/// A motion that turns or scales, as elements feel it that have no neighbour to show it: the images
+/// of steps between places where it starts.
 struct StepMotion {
   GridSteps before = kUnitSteps, after = kUnitSteps;  // up to where the drag begins, and ends
   /// Offsets of the elements where the motion starts; empty: where they are now.
@@ -131,20 +131,20 @@ class EcmSolver {
   EcmReport drag(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                  Holds& holds, Progress* progress = nullptr);
 
-  /// All or nothing: where anchors stop a part of the drag nothing moves, and the report's fraction
-  /// says how much they allow.
+  /// Drags all or nothing: where anchors stop a part of the drag nothing moves, and the report's
+  /// fraction says how much they allow.
   EcmReport drag_whole(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                        Holds& holds, Progress* progress = nullptr);
 
-  /// As drag(), or as drag_whole(), unless free pieces would shift. In that case nothing moves, and
-  /// the report says which pieces would, and how far.
+  /// Drags as drag(), or as drag_whole(), unless free pieces would shift. In that case nothing
+  /// moves, and the report says which pieces would, and how far.
   EcmReport drag_unless_pieces_shift(const std::vector<Handle>& handles,
                                      const std::vector<Region>& anchors, Holds& holds, bool whole,
                                      Progress* progress = nullptr);
 
-  /// The whole drag with shifts of free pieces, or the part that anchors allow where that shifts
-  /// none. Otherwise nothing moves: anchors stop a part of the drag that shifts the pieces of the
-  /// report.
+  /// Makes the whole drag with shifts of free pieces, or the part that anchors allow where that
+  /// shifts none. Otherwise nothing moves: anchors stop a part of the drag that shifts the pieces
+  /// of the report.
   EcmReport drag_whole_or_unshifted(const std::vector<Handle>& handles,
                                     const std::vector<Region>& anchors, Holds& holds,
                                     Progress* progress = nullptr);
@@ -167,7 +167,7 @@ class EcmSolver {
                                                     LastingBounds& lasting,
                                                     Progress* progress = nullptr);
 
-  /// block or flat.
+  /// The engine in use, block or flat.
   Engine engine() const { return m_propagator.engine(); }
   /// Memory kept between drags, the body's not included.
   std::size_t bytes() const;
@@ -175,7 +175,7 @@ class EcmSolver {
  private:
   /// part: as far as anchors allow; whole: all or nothing; tried: nothing, but the report.
   enum class Extent { part, whole, tried };
-  /// Whether free pieces may shift: in the whole drag alone, where anchors stop nothing.
+  /// When free pieces may shift; in_whole: in the whole drag alone, where anchors stop nothing.
   enum class Shifts { allowed, in_whole, never };
   EcmReport run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                 Holds& holds, Extent extent, Shifts shifts, Progress* progress);
@@ -191,7 +191,7 @@ class EcmSolver {
 /// Projects an invalid configuration to floor((L + U) / 2): the smallest possible largest move.
 /// Fixed and held elements stay, and push handles keep their side, in every coordinate in which the
 /// links allow that. In the other coordinates all elements move, and `held_moved` counts those of
-/// `fixed` and `held.still` that did.
+/// `fixed` and `held.anchored` that did.
 struct ProjectionReport {
   std::int64_t violated_links = 0;
   double max_move_voxels = 0;

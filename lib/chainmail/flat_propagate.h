@@ -14,7 +14,7 @@ class FlatPropagator {
  public:
   explicit FlatPropagator(const Body& body) : m_body(body) {}
 
-  /// As Propagator::run. `bucket_shift`: nodes within 2^bucket_shift units count as equal.
+  /// Runs as Propagator::run. `bucket_shift`: nodes within 2^bucket_shift units count as equal.
   void run(const PropagationTask& task, const std::vector<Seed>& seeds, int bucket_shift,
            PropagationCounts& counts);
 

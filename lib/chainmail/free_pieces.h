@@ -33,11 +33,11 @@ class FreePieces {
   /// Targets of elements that lag behind their piece.
   std::vector<Seed> lagging(const BrickValues& now, const Before& before,
                             Direction direction) const;
-  /// Of all pieces that were not left out.
+  /// The elements of all pieces that were not left out.
   SlotSet elements() const;
 
  private:
-  /// How far the elements of a piece went.
+  /// The least and the most that elements of a piece went.
   struct Reach {
     std::int64_t least = INT64_MAX, most = INT64_MIN;
 

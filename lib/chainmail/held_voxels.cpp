@@ -43,7 +43,7 @@ SlotSet all_grabbed(const Body& body, const std::vector<HeldHandle>& handles) {
   return all;
 }
 
-/// An element that is grabbed and fixed is an error.
+/// Throws InputError for an element that is grabbed and fixed.
 void require_free(const Body& body, const std::vector<HeldHandle>& handles,
                   const FixedElements& fixed, const SlotSet& grabbed) {
   Slot slot;
@@ -90,9 +90,9 @@ const Bound* find_bound(const std::vector<Bound>& bounds, Slot slot) {
   return found != bounds.end() && found->slot == slot ? &*found : nullptr;
 }
 
-/// A tool that is still there keeps its place and side; a new one begins at the elements, on the
-/// side that it moves away from. An edge always does: a bound that it left would hold elements back
-/// from a handle that turns round.
+/// Places a tool. One that is still there keeps its place and side; a new one begins at the
+/// elements, on the side that it moves away from. An edge always does: a bound that it left would
+/// hold elements back from a handle that turns round.
 void place_tool(const Body& body, const Holds& earlier, HeldHandle& handle) {
   for (std::size_t c = 0; c < 3; ++c) {
     std::size_t n = 0;
@@ -110,7 +110,7 @@ void place_tool(const Body& body, const Holds& earlier, HeldHandle& handle) {
   }
 }
 
-/// A bound that an element has already passed, as after a projection, counts from where it is.
+/// Moves bounds that an element has passed already, as after a projection, to where it is.
 Holds met_by(const Body& body, Holds holds) {
   for (std::size_t c = 0; c < 3; ++c) {
     for (Bound& bound : holds.at_least[c]) {

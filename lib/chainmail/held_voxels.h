@@ -22,8 +22,8 @@ struct ToolPlace {
 struct HeldHandle {
   SlotSet slots;
   const Handle* source;
-  /// Of a push handle, per coordinate: the elements that it keeps from sinking, and from rising,
-  /// ascending.
+  /// Tool of a push handle, per coordinate: at the elements that it keeps from sinking, and from
+  /// rising, ascending.
   std::array<std::vector<ToolPlace>, 3> below = {}, above = {};
 
   bool is_push() const { return source->kind == HandleKind::push; }
@@ -40,7 +40,7 @@ struct FixedElements {
   SlotSet slots;
 };
 
-/// Grabbed elements, and elements that stay where they are: `fixed` and `rest.still`.
+/// Grabbed elements, and elements that stay where they are: `fixed` and `rest.anchored`.
 struct HeldVoxels {
   std::vector<HeldHandle> handles;
   SlotSet grabbed;       // the elements of all handles

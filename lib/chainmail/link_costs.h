@@ -46,16 +46,16 @@ class LinkCosts {
   int stride() const { return m_stride; }
   /// Cost of travelling along `axis` towards higher (`upward`) or lower voxels.
   const CostRow& row(int axis, bool upward) const { return m_rows[axis][upward]; }
-  /// Across its own axis a coordinate pays the same both ways.
+  /// True where links cost the same both ways, as those across the coordinate's own axis.
   bool is_symmetric(int axis) const { return m_symmetric[axis]; }
-  /// 6, 18 or 26 per voxel, as in SlackTable.
+  /// Links per voxel: 6, 18 or 26, as in SlackTable.
   int links() const { return m_links; }
   /// Cost of travelling in any direction that a link has.
   const CostRow& along(int direction) const {
     return is_diagonal(direction) ? m_diagonals[std::size_t(direction)]
                                   : m_rows[axis_of_direction(direction)][direction > kNoStep];
   }
-  /// The same both ways.
+  /// True where that costs the same both ways.
   bool is_symmetric_along(int direction) const { return m_same_back[std::size_t(direction)]; }
   std::size_t bytes() const;
 

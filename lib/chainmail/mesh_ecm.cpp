@@ -19,7 +19,7 @@ using MeshOffsets = std::array<std::int32_t, 3>;
 constexpr double kUnitMm = 1 / kFixedOne;
 constexpr const char* kRangeText = "finite moves and offsets within +-16383 mm";
 
-/// Millimetres to fixed point; `what` names them in the message.
+/// Turns millimetres to fixed point; `what` names them in the message.
 template <class Round>
 MeshOffsets fixed_offsets(const Vec3d& mm, Round&& round, const std::string& node,
                           const std::string& what) {
@@ -49,7 +49,7 @@ std::int64_t excess_of(const MeshStep& step, std::int32_t from, std::int32_t to)
   return slack >= kUnlimitedSlack ? 0 : std::abs(rise) - slack;
 }
 
-/// `value(node, c)` is an offset.
+/// Checks all links; `value(node, c)` is an offset.
 template <class Value>
 MeshLinkCheck check(const MeshLinks& links, Value&& value) {
   MeshLinkCheck result;
@@ -107,8 +107,8 @@ HeldNodes hold(const std::vector<MeshHandle>& handles, const std::vector<NodeSet
 
 using Drags = std::vector<std::unique_ptr<MeshDrag>>;
 
-/// All coordinates at their whole targets; again, shortened by one common fraction, when anchors
-/// stop one of them.
+/// Moves all coordinates to their whole targets; again, shortened by one common fraction, when
+/// anchors stop one of them.
 Drags solve(std::array<MeshValues, 3>& values, const HeldNodes& held, Fraction& fraction,
             Progress* progress) {
   Drags drags;
@@ -156,7 +156,7 @@ bool MeshEcm::holds_positions() const {
   return true;
 }
 
-/// The body's positions become the values; a projection when they break limits.
+/// Takes the body's positions as values; projects these when they break limits.
 MeshProjection MeshEcm::take_positions(const std::vector<NodeSet>& anchors, Progress* progress) {
   m_is_valid = false;
   for (MeshValues& values : m_values) values.forget();  // of a projection that was cancelled
@@ -193,7 +193,7 @@ MeshProjection MeshEcm::take_positions(const std::vector<NodeSet>& anchors, Prog
   return projection;
 }
 
-/// To the body: every place, or those of the nodes that changed.
+/// Gives the body every place, or those of the nodes that changed.
 void MeshEcm::give_positions(bool all) {
   if (all) {
     for (Slot node = 0; node < m_body.node_count(); ++node) m_body.pos_mm[node] = place_of(node);
@@ -204,7 +204,7 @@ void MeshEcm::give_positions(bool all) {
   }
 }
 
-/// Nodes whose value differs in any coordinate.
+/// Counts nodes whose value differs in any coordinate.
 std::int64_t MeshEcm::count_moved() const {
   std::vector<char> is_moved(m_body.node_count(), 0);
   std::int64_t moved = 0;

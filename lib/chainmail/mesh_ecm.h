@@ -64,7 +64,7 @@ class MeshEcm {
   /// Refers to the body, whose nodes, rest positions and links must not change meanwhile; its
   /// positions may, by any model. Throws InputError: limits out of range, or not as many as links.
   MeshEcm(MeshBody& body, const MeshLimits& limits);
-  /// One entry per link of the body.
+  /// Takes one entry of limits per link of the body.
   MeshEcm(MeshBody& body, const std::vector<MeshLimits>& limits);
   MeshEcm(const MeshEcm&) = delete;
   MeshEcm& operator=(const MeshEcm&) = delete;
@@ -81,7 +81,7 @@ class MeshEcm {
   MeshEcmReport drag(const std::vector<MeshHandle>& handles, const std::vector<NodeSet>& anchors,
                      Progress* progress = nullptr);
 
-  /// Of the body's present positions. 16 to 28 ns per link. Throws InputError as drag.
+  /// Checks links at the body's present positions. 16 to 28 ns per link. Throws InputError as drag.
   MeshLinkCheck check_links() const;
   /// Rounds the body's positions to 2^-16 mm and, when they break limits, projects them to
   /// floor((L + U) / 2): valid, with the smallest possible largest move; nodes of `anchored` keep
@@ -94,7 +94,7 @@ class MeshEcm {
  private:
   Vec3d place_of(Slot node) const;
   void require_positions() const;
-  /// Whether the body's positions are those that the last drag gave it.
+  /// True where the body's positions are those that the last drag gave it.
   bool holds_positions() const;
   MeshProjection take_positions(const std::vector<NodeSet>& anchors, Progress* progress);
   void give_positions(bool all);

@@ -10,7 +10,7 @@ namespace supple {
 
 namespace {
 
-/// rest + q 2^-16 is then kept exactly enough to read q back.
+/// Furthest rest position in mm: rest + q 2^-16 is kept exactly enough there to read q back.
 constexpr double kFurthestRest = 1e7;
 
 void require_range(const MeshBody& body) {

@@ -34,7 +34,7 @@ std::int64_t MeshValues::project(const std::vector<Slot>& anchored, Progress* pr
   run(Direction::lower, present, progress);
   const std::vector<std::int32_t> below = m_q;
   run(Direction::raise, held, progress);
-  // As for voxel bodies (project.cpp): what is held keeps its place where the links allow it.
+  // Held nodes keep their places where the links allow it, as for voxel bodies (project.cpp).
   const bool can_hold = std::all_of(held.begin(), held.end(), [&](const Seed& seed) {
     return above_held[seed.slot] == seed.value && m_q[seed.slot] == seed.value;
   });

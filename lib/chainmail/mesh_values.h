@@ -13,7 +13,7 @@ namespace supple {
 
 class MeshValues {
  public:
-  /// At rest. The links must outlive this.
+  /// Values at rest. The links must outlive this.
   MeshValues(const MeshLinks& links, int coordinate);
 
   struct Change {
@@ -31,7 +31,7 @@ class MeshValues {
   }
   /// Sets a value for good: nothing is to be undone.
   void place(Slot node, std::int32_t value) { m_q[node] = value; }
-  /// As flat_engine.h asks of a graph.
+  /// Visits links as flat_engine.h asks of a graph.
   template <bool kRaise, class Visit>
   void for_each_link(Slot from, Visit&& visit) const {
     for (std::size_t n = m_links.first(from), end = m_links.first(from + 1); n < end; ++n) {

@@ -1,4 +1,4 @@
-// Which of the sets that one drag of a mesh body names a node belongs to.
+// Owners of nodes: the sets, of those that one drag of a mesh body names, that nodes belong to.
 #pragma once
 
 #include <string>

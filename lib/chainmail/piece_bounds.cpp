@@ -8,7 +8,7 @@ namespace supple {
 
 namespace {
 
-/// Of the bounds that are in force: those that last through a search, or the others.
+/// Choice among the bounds that are in force: those that last through a search, or the others.
 struct SeedChoice {
   const LastingBounds& lasting;
   bool is_lasting;
@@ -17,7 +17,7 @@ struct SeedChoice {
   bool has(Slot slot) const { return lasting.loose.contains(slot) != is_lasting; }
 };
 
-/// Lower bounds of what is held (raise), or upper ones.
+/// Lower bounds of held elements (raise), or upper ones.
 std::vector<Seed> bounds_of_held(const Body& body, const HeldVoxels& held, int coordinate,
                                  Direction direction, const SeedChoice& choice) {
   const auto c = std::size_t(coordinate);
@@ -59,8 +59,8 @@ std::int32_t start_of(std::int32_t q, std::int64_t by) {
   return std::int32_t(std::clamp<std::int64_t>(q + by, -kMaxOffset, kMaxOffset));
 }
 
-/// The envelope of the seeds, as far as it lies beyond offsets that are `by` from the present ones.
-/// `values` serve again.
+/// Finds the envelope of the seeds, as far as it lies beyond offsets that are `by` from the present
+/// ones. `values` serve again.
 void find_envelope(const Body& body, int coordinate, Direction direction, std::int64_t by,
                    const std::vector<Seed>& seeds, Propagator& propagator, Progress* progress,
                    BrickValues& values) {
@@ -77,7 +77,7 @@ std::int64_t reach_along(Direction direction, std::int32_t reach_q) {
   return direction == Direction::raise ? -std::int64_t(reach_q) : reach_q;
 }
 
-/// The one that lies further in the direction.
+/// The value that lies further in the direction.
 std::int32_t further(std::int32_t a, std::int32_t b, Direction direction) {
   return direction == Direction::raise ? std::max(a, b) : std::min(a, b);
 }

@@ -15,8 +15,8 @@
 
 namespace supple {
 
-/// Envelopes of what does not change in a search, at the elements of pieces that nothing holds as a
-/// whole. Of one body that stays as it is.
+/// Envelopes of bounds that do not change in a search, at the elements of pieces that nothing holds
+/// as a whole. All are of one body that stays as it is.
 struct LastingBounds {
   LastingBounds(std::size_t handle_count_, std::int32_t least_reach_q_)
       : handle_count(handle_count_), least_reach_q(least_reach_q_) {}
@@ -28,11 +28,11 @@ struct LastingBounds {
   std::array<std::array<std::vector<std::int32_t>, 2>, 3> envelopes;  // [coordinate][raise, lower]
 };
 
-/// To that reach or further. `held`: the first handles alone, at their targets.
+/// Finds them to that reach or further. `held`: the first handles alone, at their targets.
 void find_lasting_bounds(const Body& body, const HeldVoxels& held, std::int32_t reach_q,
                          LastingBounds& lasting, Propagator& propagator, Progress* progress);
 
-/// EcmSolver::bounds_of(): `held` with all handles at their targets; `lasting` is known that far.
+/// Does EcmSolver::bounds_of(); `held`: all handles at their targets; `lasting` is known that far.
 std::vector<std::vector<ElementBounds>> bounds_of_pieces(
     const Body& body, const std::vector<const RigidPiece*>& pieces, const HeldVoxels& held,
     std::int32_t reach_q, const LastingBounds& lasting, Propagator& propagator, Progress* progress);

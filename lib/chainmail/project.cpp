@@ -27,7 +27,7 @@ std::int32_t half(std::int64_t sum) {
   return std::int32_t(sum >= 0 ? sum / 2 : -((1 - sum) / 2));
 }
 
-/// floor((above + below) / 2) in place of `above`.
+/// Puts floor((above + below) / 2) in place of `above`.
 void average(BrickValues& above, const BrickValues& below) {
   for (std::size_t b = 0; b < above.brick_count(); ++b) {
     if (above.brick(b) == nullptr && below.brick(b) == nullptr) continue;
@@ -46,8 +46,8 @@ bool meets(const BrickValues& values, const HeldBounds& bounds) {
                      [&](const Seed& seed) { return values.at(seed.slot) <= seed.value; });
 }
 
-/// Elements that are nearer to each other than a contact allows, and where they are to go. `pushes`
-/// counts those of each contact.
+/// Seeds: elements that are nearer to each other than a contact allows, and where they are to go.
+/// `pushes` counts those of each contact.
 std::vector<Seed> pressed(const std::vector<ContactLink>& contacts, const BrickValues& values,
                           Direction direction, std::vector<int>& pushes) {
   std::vector<Seed> seeds;
@@ -90,7 +90,7 @@ class Envelopes {
         m_progress(progress),
         m_pieces(pieces) {}
 
-  /// That of all elements, or of the seeds.
+  /// Moves values to the envelope of all elements, or of the seeds.
   void move(Direction direction, BrickValues& moved, const std::vector<Seed>* seeds) {
     moved.resize(m_values.brick_count());
     const PropagationTask task{m_coordinate, direction, moved, nullptr, m_progress};
@@ -154,7 +154,7 @@ ContactProjection::ContactProjection(Body& body, const SlotSet& anchored, const 
   to_admissible(body, m_held);
 }
 
-/// What may not rise (raise) or sink (lower) any further in a brick, and how far it may.
+/// Visits the elements of a brick that may not rise (raise) or sink (lower) past a limit, with it.
 template <class Visit>
 void ContactProjection::for_each_held(int c, std::size_t brick, Direction direction,
                                       Visit&& visit) const {
@@ -172,8 +172,8 @@ void ContactProjection::for_each_held(int c, std::size_t brick, Direction direct
   }
 }
 
-/// Seeds that take back what went too far. An element is beyond B (below A) only if what bounds it
-/// there is beyond its own bound, since the envelope is valid: so those are all that count.
+/// Seeds that take back elements that went too far. An element is beyond B (below A) only if the
+/// held one that bounds it is beyond its own bound, as the envelope is valid: only these count.
 std::vector<Seed> ContactProjection::beyond_bounds(int c, Direction direction) const {
   std::vector<Seed> seeds;
   const BrickValues& q = m_body.q[std::size_t(c)];
@@ -186,8 +186,8 @@ std::vector<Seed> ContactProjection::beyond_bounds(int c, Direction direction) c
   return seeds;
 }
 
-/// To the envelope of the `seeds`, or of what contacts push, under links and contacts; false where
-/// that has no end: a contact that pushes another time pushes, round about, itself.
+/// Moves to the envelope of `seeds`, or of elements that contacts push, under links and contacts;
+/// false where that has no end: a contact that pushes again and again pushes itself round about.
 bool ContactProjection::move(int c, const std::vector<ContactLink>& contacts, Direction direction,
                              std::vector<Seed> seeds) {
   constexpr int kMostPushes = 8;
@@ -206,7 +206,7 @@ bool ContactProjection::move(int c, const std::vector<ContactLink>& contacts, Di
   return true;
 }
 
-/// To min(L, B) or to max(U, A), from where q is.
+/// Moves to min(L, B) or to max(U, A), from where q is.
 bool ContactProjection::reach(int c, const std::vector<ContactLink>& contacts,
                               Direction direction) {
   const bool rises = direction == Direction::raise;
@@ -215,7 +215,7 @@ bool ContactProjection::reach(int c, const std::vector<ContactLink>& contacts,
   return back.empty() || move(c, contacts, rises ? Direction::lower : Direction::raise, back);
 }
 
-/// From max(U, A) to half-way to min(L, B), of which `above` has the bricks that it changed.
+/// Moves from max(U, A) half-way to min(L, B), of which `above` has the bricks that it changed.
 void ContactProjection::average(int c, const std::vector<std::size_t>& bricks,
                                 const std::vector<std::int32_t>& above) {
   BrickValues& q = m_body.q[std::size_t(c)];

@@ -31,13 +31,13 @@ HeldBounds held_bounds(const Body& body, int coordinate, const SlotSet& anchored
 /// bricks that contacts push and no others: all else has the values that it had.
 class ContactProjection {
  public:
-  /// All outlive it. What is `anchored` stays; rigid pieces have to be.
+  /// All arguments outlive it. Elements that are `anchored` stay; rigid pieces have to be.
   ContactProjection(Body& body, const SlotSet& anchored, const Holds& held,
                     Progress* progress = nullptr, Engine engine = Engine::automatic);
 
-  /// Moves one coordinate until the contacts hold, too. The largest move in units of q; none, and
-  /// nothing has moved, where what is held, links and contacts contradict each other: contacts of
-  /// which one pushes for the ninth time do. Throws Cancelled.
+  /// Moves one coordinate until the contacts hold, too. Returns the largest move in units of q;
+  /// none, and nothing has moved, where holds, links and contacts contradict each other. Contacts
+  /// of which one pushes for the ninth time do so. Throws Cancelled.
   std::optional<std::int64_t> meet(int coordinate, const std::vector<ContactLink>& contacts);
   /// The cost so far: bricks changed, summed over the turns of contacts; about 15 us each.
   std::int64_t changed_bricks() const { return m_changed_bricks; }

@@ -39,7 +39,7 @@ int typical_slack_bits(const Body& body, int coordinate) {
   return count == 0 ? kFixedBits : int(sum_of_logs / count);
 }
 
-/// Whether a brick or one that its links lead to holds offsets.
+/// True where a brick or one that its links lead to holds offsets.
 bool near_stored(const BrickTopology& elements, const BrickValues& values, std::size_t b) {
   const BrickNeighbours bricks = neighbours_of(elements, b);
   return std::any_of(bricks.begin(), bricks.end(), [&](std::int32_t other) {
@@ -47,8 +47,8 @@ bool near_stored(const BrickTopology& elements, const BrickValues& values, std::
   });
 }
 
-/// Every element that may have a broken link, at its value; only those that have one will spread.
-/// Links between bricks that are not stored hold, since both ends are at rest.
+/// Seeds every element that may have a broken link, at its value; only those that have one will
+/// spread. Links between bricks that are not stored hold, since both ends are at rest.
 std::vector<Seed> present_values(const Body& body, const BrickValues& values) {
   std::vector<Seed> seeds;
   for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
@@ -61,7 +61,7 @@ std::vector<Seed> present_values(const Body& body, const BrickValues& values) {
   return seeds;
 }
 
-/// The levels of the block engine hold offsets within the range only.
+/// True where seeds are within the range, the only offsets that levels of the block engine hold.
 bool within_range(const std::vector<Seed>& seeds) {
   return std::all_of(seeds.begin(), seeds.end(), [](const Seed& seed) {
     return seed.value >= -kMaxOffset && seed.value <= kMaxOffset;

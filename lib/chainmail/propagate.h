@@ -36,7 +36,7 @@ class Propagator {
   /// The same with every element as a seed at its present value: the envelope of an invalid start.
   PropagationCounts close(const PropagationTask& task);
 
-  /// block or flat.
+  /// The engine in use, block or flat.
   Engine engine() const { return m_engine; }
   std::size_t bytes() const { return m_block.bytes() + m_flat.bytes(); }
 

@@ -12,12 +12,12 @@ namespace supple {
 
 namespace {
 
-/// How far a length is from 1, either way.
+/// The factor by which a length differs from 1, either way.
 double strength(double length) {
   return std::max(length, 1 / length);
 }
 
-/// By how much an element's links along each axis are longer than at rest together, in 2^-16
+/// Sum over an element's links along each axis: by how much they are longer than at rest, in 2^-16
 /// voxel, and how many these are. Two links span the difference of two offsets, which fits.
 struct LinkSums {
   std::array<std::int32_t, 3> stretch{};
@@ -53,7 +53,7 @@ StretchRange range_of(const Body& body, int axis, Slot low, Slot high) {
   return {-body.slacks.lower(axis, axis, a, b), body.slacks.upper(axis, axis, a, b)};
 }
 
-/// By how much a length must change to be in the range.
+/// The change of a length that brings it into the range.
 std::int32_t missing_in(const StretchRange& range, std::int32_t stretch) {
   return std::clamp(stretch, range.least, range.most) - stretch;
 }
@@ -79,7 +79,7 @@ std::vector<std::uint8_t> bricks_near_offsets(const Body& body, const LinkOffset
   return near;
 }
 
-/// Of an excess, in 2^-24 voxel^2; that of 8 voxels for more, so that no sum overflows.
+/// Square of an excess, in 2^-24 voxel^2; that of 8 voxels for more, so that no sum overflows.
 std::int64_t square_of(std::int64_t excess) {
   const std::int64_t rounded = std::min<std::int64_t>((excess + 8) >> 4, 1 << 15);
   return rounded * rounded;

@@ -23,20 +23,20 @@ namespace supple {
 /// LinkOffsets in the body's place: q of all coordinates.
 using LinkOffsets = std::array<BrickValues, 3>;
 
-/// By how much a link may be longer than at rest, in 2^-16 voxel.
+/// Range by which a link may be longer than at rest, in 2^-16 voxel.
 struct StretchRange {
   std::int32_t least, most;
 };
 
-/// The tightened range of a link and where its limits are the material's.
+/// The tightened range of a link; not tightened where its limits are the material's.
 struct TightRange : StretchRange {
   bool is_tightened;
 };
 
-/// Of the link along `axis` from `low` to `high`, in the state q. About 0.1 us.
+/// The tightened range of the link along `axis` from `low` to `high`, in the state q. About 0.1 us.
 TightRange tight_range(const Body& body, const LinkOffsets& q, int axis, Slot low, Slot high);
 
-/// By how much the links of a state miss their tightened limits, and how many do.
+/// Excess of the links of a state over their tightened limits, and the number of these links.
 struct TightCheck {
   std::int64_t links = 0;     // that are tightened
   std::int64_t violated = 0;  // of these, by more than the tolerance

@@ -54,7 +54,7 @@ class Tightening {
     result.excess_voxels = now.norm_voxels();
   }
 
-  /// Writes the offsets to the body; how many elements they move.
+  /// Writes the offsets to the body; returns how many elements they move.
   std::int64_t commit() {
     std::int64_t moved = 0;
     for (std::size_t b = 0; b < m_body.elements.brick_count(); ++b) {
@@ -90,7 +90,7 @@ class Tightening {
     }
   }
 
-  /// Every chain along axis c with a link to be changed; false when there is none.
+  /// Moves every chain along axis c with a link to be changed; false when there is none.
   bool move_chains(int c) {
     BrickValues& missing = m_missing[std::size_t(c)];
     bool found = false;
@@ -105,7 +105,7 @@ class Tightening {
     return found;
   }
 
-  /// Moves the chain through an element, and has nothing missing there any more.
+  /// Moves the chain through an element; then nothing is missing there any more.
   void move_chain(int c, Slot through) {
     BrickValues& missing = m_missing[std::size_t(c)];
     Slot slot = through;
@@ -131,7 +131,7 @@ class Tightening {
     }
   }
 
-  /// Chooses what does not move.
+  /// Chooses the elements of a chain that do not move.
   void anchor_chain(int c) {
     const std::size_t none = m_chain.size();
     std::size_t first = none, last = none;
@@ -151,8 +151,8 @@ class Tightening {
     }
   }
 
-  /// As many elements move up as down: the shift with the smallest sum of moves, in the middle
-  /// where there are several.
+  /// The median, about which as many elements move up as down: the shift with the smallest sum of
+  /// moves, in the middle where there are several.
   std::int64_t median_move() {
     m_sorted = m_moves;
     const auto upper = m_sorted.begin() + std::ptrdiff_t(m_sorted.size() / 2);
@@ -172,8 +172,8 @@ class Tightening {
            bounds(m_held.at_most[std::size_t(c)]);
   }
 
-  /// What is held stays where the body has it; pushed elements stay at or beyond their bound, or,
-  /// where a projection took them back, no further back.
+  /// Finds bounds. Held elements stay where the body has them; pushed ones stay at or beyond their
+  /// bound, or, where a projection took them back, no further back.
   void find_bounds() {
     for (std::size_t c = 0; c < 3; ++c) {
       const BrickValues& q = m_body.q[c];

@@ -33,7 +33,7 @@ struct ReferenceLattice {
     return {int(index % dims.x), int(index / dims.x % dims.y), int(index / dims.x / dims.y)};
   }
   bool is_element(const Vec3i& node) const { return inside(node) && mask[index(node)] != 0; }
-  /// Whether a link joins a node to the next one along the axis.
+  /// True where a link joins a node to the next one along the axis.
   bool is_linked(const Vec3i& node, int axis) const {
     Vec3i next = node;
     ++next[axis];

@@ -98,7 +98,7 @@ void ThesisEcm<Scalar>::move(const Vec3i& node, const std::array<std::int32_t, 3
   }
 }
 
-/// The pseudo code of section 4.2.2.
+/// Follows the pseudo code of section 4.2.2.
 template <class Scalar>
 void ThesisEcm<Scalar>::move_coordinate(Node& sponsor, int coordinate, Scalar displacement,
                                         std::int64_t max_moves) {
