@@ -2,9 +2,9 @@
 // JOURNAL
 #include <cstdio>
 
-#include <supple/lib/material/toml_table.h>
 #include <supple/scene/live/live_session.h>
 #include <supple/scene/live/replay.h>
+#include <supple/volumes/base/table.h>
 
 int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: live_session JOURNAL\n"), 2;

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
-#include "lib/material/toml_table.h"
 #include "volumes/base/error.h"
+#include "volumes/base/table.h"
 
 namespace supple {
 

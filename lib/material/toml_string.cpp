@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cstddef>
 
-#include "volumes/base/fields.h"
+#include "volumes/base/json.h"
 
 namespace supple {
 

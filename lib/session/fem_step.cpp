@@ -12,6 +12,7 @@
 #include "lib/session/free_poses.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step_warnings.h"
+#include "volumes/base/json.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
 
@@ -392,20 +393,21 @@ Fields load_fields(FemLoad& load) {
 
 std::string settings_json(const FemStep& step) {
   FemStep copy = step;
-  auto json = nlohmann::ordered_json::parse(fields_json(fields(copy)));
+  auto json = nlohmann::ordered_json::parse(json_text(fields_value(fields(copy))));
   // Records of exact steps are as they were before there were others.
   if (copy.params.accuracy == FemAccuracy::exact) json.erase("accuracy");
   if (copy.links_beyond == LinksBeyond::project) json.erase("beyond_limits");
   if (copy.motion) {
-    json["motion"] = nlohmann::ordered_json::parse(fields_json(fields(*copy.motion)));
+    json["motion"] = nlohmann::ordered_json::parse(json_text(fields_value(fields(*copy.motion))));
     for (const Vec3i& voxel : copy.motion->watch) {
       json["motion"]["watch"].push_back({voxel.x, voxel.y, voxel.z});
     }
   }
-  if (copy.modes) json["modes"] = nlohmann::ordered_json::parse(fields_json(fields(*copy.modes)));
+  if (copy.modes)
+    json["modes"] = nlohmann::ordered_json::parse(json_text(fields_value(fields(*copy.modes))));
   for (FemLoad& load : copy.loads) {
     auto entry = nlohmann::ordered_json::parse(chosen_json(load.part));
-    entry.update(nlohmann::ordered_json::parse(fields_json(load_fields(load))));
+    entry.update(nlohmann::ordered_json::parse(json_text(fields_value(load_fields(load)))));
     json[std::string(name_of(load.kind)) + "s"].push_back(std::move(entry));
   }
   return json.dump();

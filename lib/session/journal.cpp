@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/material/material_file.h"
+#include "volumes/base/json.h"
 #include "volumes/base/version.h"
 
 namespace supple {
@@ -68,7 +69,7 @@ nlohmann::ordered_json to_json(const Drag& drag) {
 /// The settings of a struct that lists its fields.
 template <class Params>
 nlohmann::ordered_json recorded(Params params) {
-  return nlohmann::ordered_json::parse(fields_json(fields(params)));
+  return nlohmann::ordered_json::parse(json_text(fields_value(fields(params))));
 }
 
 nlohmann::ordered_json to_json(const StepRecord& record) {

@@ -5,6 +5,7 @@
 
 #include "lib/session/drag_handles.h"
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -98,7 +99,7 @@ std::vector<Handle> handles_of(const Retraction& retraction, const Body& body,
 
 std::string settings_json(const Retraction& retraction) {
   Retraction same = retraction;
-  return fields_json(fields(same));
+  return json_text(fields_value(fields(same)));
 }
 
 }  // namespace supple

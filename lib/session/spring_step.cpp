@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "volumes/base/json.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
 
@@ -133,7 +134,7 @@ std::string settings_json(const SpringStep& step) {
     return std::find(idle.begin(), idle.end(), field.name()) != idle.end();
   };
   recorded.erase(std::remove_if(recorded.begin(), recorded.end(), is_idle), recorded.end());
-  auto json = nlohmann::ordered_json::parse(fields_json(recorded));
+  auto json = nlohmann::ordered_json::parse(json_text(fields_value(recorded)));
   for (const std::string& contact : step.contacts) {
     json["contact"].push_back(nlohmann::ordered_json::parse(contact));
   }

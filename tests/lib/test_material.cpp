@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/material/material.h"
-#include "lib/material/toml_table.h"
 #include "tests/lib/test_bodies.h"
+#include "volumes/base/table.h"
 
 using namespace supple;
 using namespace supple::test;

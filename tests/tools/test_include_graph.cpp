@@ -38,7 +38,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"opencv2/", {"raycast/pictures/plugin"}},
     {"OpenEXR/", {"raycast/pictures/plugin"}},
     {"hwy/", {"raycast/march", "raycast/sample"}},
-    {"toml++/", {"lib/material"}},
+    {"toml++/", {"volumes/base"}},
     {"CLI/", {"tools/commands", "tools/console", "tools/examples", "tools/lab", "tools/viewer"}},
     {"openvdb/", {"volumes/grid", "volumes/io/vdb", "volumes/state", "tools/lab/bench"}},
     {"nanovdb/", {"tools/lab/bench"}},

@@ -7,6 +7,7 @@
 #include "tools/console/command.h"
 #include "tools/console/parse.h"
 #include "volumes/base/text.h"
+#include "volumes/base/toml.h"
 
 namespace supple::tools {
 
@@ -155,10 +156,21 @@ std::string toml_numbers(const std::string& option, const std::string& text, std
   return list + "]";
 }
 
+namespace {
+
+TomlTable table_of_options(const std::string& text, std::map<std::string, std::string> options) {
+  Value root = parse_toml(text, "");
+  for_each_text(root, "",
+                [](const std::string&, std::string& own) { own = bytes_of_toml_string(own); });
+  return TomlTable(std::move(root), "", std::move(options));
+}
+
+}  // namespace
+
 void add_field_options(CLI::App& app, const Fields& fields) {
   add_options(app, fields, "", [](const Field& field, const std::string& toml) {
     const std::string& key = field.name();
-    TomlTable::of_options(key + " = " + toml, {{key, option_name(field, "")}}).read({field});
+    table_of_options(key + " = " + toml, {{key, option_name(field, "")}}).read({field});
   });
 }
 
@@ -198,7 +210,7 @@ TomlTable SceneOptions::scene() const {
     const auto own = m_text.find(table);
     text += heading(table) + (own == m_text.end() ? "" : own->second);
   }
-  return TomlTable::of_options(text, m_names);
+  return table_of_options(text, m_names);
 }
 
 }  // namespace supple::tools

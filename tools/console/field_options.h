@@ -10,8 +10,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "lib/material/toml_table.h"
 #include "volumes/base/fields.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

@@ -15,9 +15,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "lib/material/toml_table.h"
 #include "tools/scene/file/live_event.h"
 #include "volumes/base/error.h"
+#include "volumes/base/table.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {

@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "lib/material/toml_table.h"
 #include "tools/viewer/folders.h"
 #include "volumes/base/progress.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

@@ -10,6 +10,7 @@
 #include "tools/scene/file/json.h"
 #include "tools/scene/run/reports.h"
 #include "tools/viewer/saving.h"
+#include "volumes/base/json.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
@@ -89,8 +90,8 @@ Json options_json(const Fields& fields) {
     if (!field.names().empty()) one["choices"] = field.names();
     if (!field.unit().empty()) one["unit"] = field.unit();
     one["allowed"] = field.allowed();
-    const std::string value = field.json();
-    if (!value.empty()) one["default"] = Json::parse(value);
+    const Value value = field.value();
+    if (!value.is_null()) one["default"] = Json::parse(json_text(value));
     json.push_back(std::move(one));
   }
   return json;
@@ -133,7 +134,7 @@ Json material_presets_json() {
   Json json = Json::array();
   for (const TissuePreset& preset : tissue_presets()) {
     const TomlTable table = TomlTable::parse(preset.table, preset.name);
-    json.push_back({{"name", preset.name}, {"table", Json::parse(table.json())}});
+    json.push_back({{"name", preset.name}, {"table", Json::parse(json_text(table.value()))}});
   }
   return json;
 }
@@ -191,11 +192,11 @@ Json histogram_json(OpenScene& scene, int bins) {
 
 Json material_json(OpenScene& scene) {
   const std::string text = material_to_toml(scene.live().session().material());
-  return Json::parse(TomlTable::parse(text, "material").json());
+  return Json::parse(json_text(TomlTable::parse(text, "material").value()));
 }
 
 Json slices_json(SliceSettings slices) {
-  Json json = Json::parse(fields_json(fields(slices)));
+  Json json = Json::parse(json_text(fields_value(fields(slices))));
   json["centre"] = Json::object();
   for (std::size_t plane = 0; plane < 3; ++plane) {
     if (slices.centre[plane]) {

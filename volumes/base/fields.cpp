@@ -8,63 +8,65 @@
 #include <cstdlib>
 
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/base/text.h"
 
 namespace supple {
 
 namespace {
 
-std::string list_of(std::initializer_list<double> values) {
-  std::string text;
-  for (const double value : values) text += (text.empty() ? "[" : ", ") + exact_text(value);
-  return text + "]";
+/// A number that needs no point is a whole one, as in a file.
+Value number_value(double number) {
+  const std::string text = exact_text(number);
+  std::int64_t whole = 0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), whole);
+  const bool is_whole = read.ec == std::errc() && read.ptr == text.data() + text.size();
+  return is_whole ? Value(whole) : Value(number);
 }
 
-/// The value as JSON, which is also how scene files write it; empty where there is none.
-struct JsonText {
-  std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
-  std::string operator()(const int* value) const { return std::to_string(*value); }
-  std::string operator()(const double* value) const { return exact_text(*value); }
-  std::string operator()(const std::string* value) const {
-    return value->empty() ? "" : json_string(*value);
+struct ToValue {
+  Value operator()(const bool* value) const { return *value; }
+  Value operator()(const int* value) const { return *value; }
+  Value operator()(const double* value) const { return number_value(*value); }
+  Value operator()(const std::string* value) const {
+    return value->empty() ? Value() : Value(*value);
   }
-  std::string operator()(const Vec3d* v) const { return list_of({v->x, v->y, v->z}); }
-  std::string operator()(const NumberPair* v) const { return list_of({v->first, v->second}); }
-  std::string operator()(const PixelSize* v) const {
-    return list_of({double((*v)[0]), double((*v)[1])});
+  Value operator()(const Vec3d* v) const {
+    return Value::List{number_value(v->x), number_value(v->y), number_value(v->z)};
   }
-  std::string operator()(const Rgb* rgb) const { return json_string(colour_text(*rgb)); }
-  std::string operator()(const std::vector<std::string>* values) const {
-    std::string text;
-    for (const std::string& value : *values)
-      text += (text.empty() ? "[" : ", ") + json_string(value);
-    return text.empty() ? "" : text + "]";
+  Value operator()(const NumberPair* v) const {
+    return Value::List{number_value(v->first), number_value(v->second)};
   }
-  std::string operator()(const Field::Names& names) const {
-    return json_string(names.names.at(std::size_t(names.get())));
+  Value operator()(const PixelSize* v) const { return *v; }
+  Value operator()(const Rgb* rgb) const { return colour_text(*rgb); }
+  Value operator()(const std::vector<std::string>* values) const {
+    return values->empty() ? Value() : Value(*values);
   }
-  template <class Value>
-  std::string operator()(const std::optional<Value>* value) const {
-    return *value ? (*this)(&**value) : "";
+  Value operator()(const Field::Names& names) const {
+    return names.names.at(std::size_t(names.get()));
+  }
+  template <class Setting>
+  Value operator()(const std::optional<Setting>* value) const {
+    return *value ? (*this)(&**value) : Value();
   }
 };
 
-}  // namespace
-
-std::string json_string(const std::string& text) {
-  std::string json = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') json += '\\';
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
-      char escape[8];
-      std::snprintf(escape, sizeof escape, "\\u%04x", unsigned(c));
-      json += escape;
-    } else {
-      json += c;
-    }
+/// Shortest numbers, and text as it is.
+std::string text_of(const Value& value) {
+  if (value.is_null()) return "";
+  if (value.is_text()) return value.text();
+  if (value.is_truth()) return value.truth() ? "true" : "false";
+  if (value.is_whole()) return std::to_string(value.whole());
+  if (value.is_number()) return exact_text(value.number());
+  std::string list;
+  for (const Value& item : value.items()) {
+    list +=
+        (list.empty() ? "[" : ", ") + (item.is_text() ? json_string(item.text()) : text_of(item));
   }
-  return json + "\"";
+  return list + "]";
 }
+
+}  // namespace
 
 std::string colour_text(const Rgb& rgb) {
   char text[8];
@@ -157,14 +159,12 @@ std::string Field::placeholder() const {
   return text;
 }
 
-std::string Field::json() const {
-  return std::visit(JsonText(), m_target);
+Value Field::value() const {
+  return std::visit(ToValue(), m_target);
 }
 
 std::string Field::text() const {
-  const std::string text = json();
-  const bool is_quoted = text.size() >= 2 && text.front() == '"';
-  return is_quoted ? text.substr(1, text.size() - 2) : text;
+  return text_of(value());
 }
 
 std::string Field::default_text() const {
@@ -172,16 +172,14 @@ std::string Field::default_text() const {
   return m_is_required ? "" : text();
 }
 
-std::string fields_json(const Fields& fields, const Fields& plain) {
-  std::string text;
+Value fields_value(const Fields& fields, const Fields& plain) {
+  Value table = Value::table();
   for (std::size_t n = 0; n < fields.size(); ++n) {
-    const Field& field = fields[n];
-    const std::string value = field.json();
-    if (!plain.empty() && value == plain[n].json()) continue;
-    if (!value.empty())
-      text += (text.empty() ? "" : ",") + json_string(field.record()) + ":" + value;
+    const Value value = fields[n].value();
+    if (value.is_null() || (!plain.empty() && value == plain[n].value())) continue;
+    table[fields[n].record()] = value;
   }
-  return "{" + text + "}";
+  return table;
 }
 
 }  // namespace supple

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "volumes/base/value.h"
 #include "volumes/base/vec.h"
 
 namespace supple {
@@ -44,8 +45,8 @@ class Field {
                    PixelSize*, Rgb*, std::vector<std::string>*, Names>;
 
   /// `help`: one line, without a full stop. The value must outlive the field.
-  template <class Value>
-  Field(const char* name, Value& value, const char* help)
+  template <class Setting>
+  Field(const char* name, Setting& value, const char* help)
       : m_name(name), m_help(help), m_target(&value) {}
   template <class Enum>
   Field(const char* name, Enum& value, std::vector<std::string> names, const char* help)
@@ -127,8 +128,8 @@ class Field {
   std::string placeholder() const;
   /// The present value as one reads it; empty where there is none.
   std::string text() const;
-  /// The present value as JSON; empty where there is none.
-  std::string json() const;
+  /// The present value; null where there is none.
+  Value value() const;
   /// The default, for help and documentation; empty: there is none.
   std::string default_text() const;
 
@@ -146,12 +147,9 @@ class Field {
 
 using Fields = std::vector<Field>;
 
-/// All values as one object of JSON by the names of records. Absent values are left out, and so are
-/// those that are the same in `plain`, fields of the same struct.
-std::string fields_json(const Fields& fields, const Fields& plain = {});
-
-/// Text as a string of JSON, and of TOML.
-std::string json_string(const std::string& text);
+/// All values as one table by the names of records. Absent values are left out, and so are those
+/// that are the same in `plain`, fields of the same struct.
+Value fields_value(const Fields& fields, const Fields& plain = {});
 
 /// "a, b and c".
 std::string listed(const std::vector<std::string>& names, const char* last = "and");

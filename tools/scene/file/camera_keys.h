@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lib/material/toml_table.h"
 #include "raycast/scene/camera.h"
+#include "volumes/base/table.h"
 #include "volumes/geometry/keyframes.h"
 
 namespace supple::tools {

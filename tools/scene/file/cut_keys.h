@@ -1,9 +1,9 @@
 // Cuts as scenes and the command line write them.
 #pragma once
 
-#include "lib/material/toml_table.h"
 #include "lib/session/cut_surface.h"
 #include "volumes/base/fields.h"
+#include "volumes/base/table.h"
 #include "volumes/io/load/label_file.h"
 
 namespace supple::tools {

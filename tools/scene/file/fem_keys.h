@@ -2,9 +2,9 @@
 // `swellings`.
 #pragma once
 
-#include "lib/material/toml_table.h"
 #include "lib/session/fem_step.h"
 #include "lib/session/handles.h"
+#include "volumes/base/table.h"
 #include "volumes/io/load/label_file.h"
 
 namespace supple::tools {

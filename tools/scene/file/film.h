@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "lib/material/toml_table.h"
 #include "volumes/base/error.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "lib/material/toml_table.h"
 #include "lib/session/handles.h"
+#include "volumes/base/table.h"
 #include "volumes/io/load/label_file.h"
 
 namespace supple::tools {

@@ -7,6 +7,7 @@
 #include "tools/scene/file/handle_keys.h"
 #include "tools/scene/file/json.h"
 #include "tools/scene/file/model_keys.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -40,7 +41,7 @@ Fields own_fields(LiveEvent& event) {
 
 /// The keys of the table that are not the event's own.
 std::string other_keys(const TomlTable& table, const Fields& own) {
-  Json json = Json::parse(table.json());
+  Json json = Json::parse(json_text(table.value()));
   for (const Field& field : own) json.erase(field.name());
   return json.dump();
 }

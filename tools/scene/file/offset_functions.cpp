@@ -7,6 +7,7 @@
 
 #include "lib/material/toml_string.h"
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/io/point_file.h"
 
 namespace supple::tools {
@@ -220,7 +221,7 @@ OffsetFunction read_function(TomlTable& table) {
   OffsetFunction function;
   function.place = table.place();
   function.name = table.full_name("");
-  function.json = table.json();
+  function.json = json_text(table.value());
   const auto name = table.string("function");
   if (!name) {
     table.fail("function", "nothing", "bend, twist, taper, cut-open, explode or lattice");
@@ -288,7 +289,7 @@ Field path_file_field(std::string& file) {
 
 std::vector<OffsetFunction> read_path_file(const std::string& file, Progress& progress) {
   if (file.empty()) return {};
-  TomlTable table = TomlTable::of_options("path = " + toml_string(file), {{"path", "--path"}});
+  TomlTable table = TomlTable({{"path", file}}, "", {{"path", "--path"}});
   std::vector<OffsetFunction> functions = read_path(table);
   for (const std::string& line : table.warnings()) warn(&progress, line);
   return functions;

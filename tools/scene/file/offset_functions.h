@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "lib/material/toml_table.h"
 #include "volumes/base/progress.h"
+#include "volumes/base/table.h"
 #include "volumes/field/paths/path_functions.h"
 #include "volumes/state/pose.h"
 

@@ -3,12 +3,13 @@
 #include <algorithm>
 
 #include "lib/material/material_file.h"
-#include "lib/material/toml_table.h"
 #include "tools/scene/file/cut_keys.h"
 #include "tools/scene/file/handle_keys.h"
 #include "tools/scene/file/model_keys.h"
 #include "tools/scene/file/transfer_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
+#include "volumes/base/table.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/open_volume.h"
 
@@ -368,7 +369,7 @@ Scene read_scene(TomlTable root) {
     require_film(scene);
   }
   root.finish();
-  scene.described = description_of(scene, root.json());
+  scene.described = description_of(scene, json_text(root.value()));
   scene.warnings = root.warnings();
   return scene;
 }

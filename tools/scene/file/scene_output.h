@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lib/fem/voxel/fem_results.h"
-#include "lib/material/toml_table.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "lib/contact/mesh_surface.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -92,7 +93,7 @@ void read_contact(TomlTable& table, SpringStep& step) {
   DrivenCollider driven;
   table.know({"sphere", "plane", "capsule", "box", "mesh"});
   table.read(contact_fields(driven));
-  nlohmann::ordered_json settings = nlohmann::ordered_json::parse(table.json());
+  nlohmann::ordered_json settings = nlohmann::ordered_json::parse(json_text(table.value()));
   if (const auto mesh = table.path("mesh")) {
     settings["mesh"] = std::filesystem::path(*mesh).filename().string();
   }

@@ -1,8 +1,8 @@
 // The keys of `springs = { … }` in a step of a scene, with the shapes of `contact = [ … ]`.
 #pragma once
 
-#include "lib/material/toml_table.h"
 #include "lib/session/spring_step.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "lib/material/toml_table.h"
 #include "raycast/scene/transfer_function.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

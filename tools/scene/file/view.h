@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "lib/material/toml_table.h"
 #include "raycast/render.h"
 #include "raycast/scene/camera.h"
 #include "raycast/scene/clip.h"
@@ -18,6 +17,7 @@
 #include "tools/scene/file/view_light.h"
 #include "tools/scene/pictures/decoration.h"
 #include "tools/scene/pictures/picture_options.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "lib/material/toml_table.h"
 #include "raycast/march/shading.h"
 #include "raycast/scene/surface.h"
+#include "volumes/base/table.h"
 #include "volumes/field/displacement.h"
 
 namespace supple::tools {

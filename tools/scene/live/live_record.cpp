@@ -6,6 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "volumes/base/json.h"
+
 namespace supple::tools {
 
 namespace {
@@ -67,7 +69,7 @@ nlohmann::ordered_json with_absolute_paths(const std::string& json, const TomlTa
 
 void LiveSession::read_head(const TomlTable& root) {
   m_admits = root.admits();
-  m_head = head_of(with_absolute_paths(root.json(), root), m_scene).dump();
+  m_head = head_of(with_absolute_paths(json_text(root.value()), root), m_scene).dump();
 }
 
 void LiveSession::record(const LiveEvent& event, bool replaces_last) {

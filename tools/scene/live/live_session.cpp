@@ -10,6 +10,7 @@
 #include "tools/scene/live/live_record.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -19,7 +20,7 @@ namespace {
 nlohmann::ordered_json relax_keys(RelaxParams params) {
   nlohmann::ordered_json keys;
   for (const Field& field : fields(params)) {
-    keys[field.name()] = nlohmann::ordered_json::parse(field.json());
+    keys[field.name()] = nlohmann::ordered_json::parse(json_text(field.value()));
   }
   return keys;
 }
@@ -63,7 +64,7 @@ void LiveSession::read_events(const TomlTable& whole) {
     m_events.push_back(read_event(table, m_scene.label_names));
   }
   for (LiveEvent& event : m_events) event.keys = with_absolute_paths(event.keys, root).dump();
-  const nlohmann::ordered_json file = with_absolute_paths(root.json(), root);
+  const nlohmann::ordered_json file = with_absolute_paths(json_text(root.value()), root);
   if (!m_events.empty() && !m_scene.steps.empty()) {
     throw InputError({m_scene.steps.front().place, "step", "a step beside events",
                       "events of a journal, or steps of a scene"});

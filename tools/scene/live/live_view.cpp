@@ -4,6 +4,7 @@
 #include "tools/scene/file/json.h"
 #include "tools/scene/live/live_record.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -55,7 +56,7 @@ void LiveSession::choose_view(const TomlTable& root, Progress* progress) {
   if (shown != nullptr) {
     const auto number = std::size_t(shown - views.data());
     m_view = *shown;
-    m_view_keys = with_absolute_paths(root.json(), root)["view"][number].dump();
+    m_view_keys = with_absolute_paths(json_text(root.value()), root)["view"][number].dump();
     if (views.size() > 1) {
       note(progress, "of " + std::to_string(views.size()) + " views number " +
                          std::to_string(number + 1) +

@@ -5,9 +5,9 @@
 #include <fstream>
 
 #include "lib/material/toml_string.h"
-#include "lib/material/toml_table.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 

@@ -5,6 +5,7 @@
 #include "tools/scene/file/transfer_file.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/json.h"
 #include "volumes/base/version.h"
 
 namespace supple::tools {
@@ -13,12 +14,12 @@ namespace {
 
 nlohmann::ordered_json to_json(const Light& light) {
   Light copy = light;
-  return nlohmann::ordered_json::parse(fields_json(fields(copy)));
+  return nlohmann::ordered_json::parse(json_text(fields_value(fields(copy))));
 }
 
 nlohmann::ordered_json to_json(const MeshChoice& choice) {
   MeshChoice copy = choice;
-  auto json = nlohmann::ordered_json::parse(fields_json(fields(copy)));
+  auto json = nlohmann::ordered_json::parse(json_text(fields_value(fields(copy))));
   json["path"] = choice.file;
   return json;
 }
@@ -34,18 +35,18 @@ nlohmann::ordered_json to_json(const ClipChoice& choice) {
                      {"normal", vector_json(half.normal_lps)}};
   }
   Clip clip = choice.clip;
-  json.update(nlohmann::ordered_json::parse(fields_json(fields(clip))));
+  json.update(nlohmann::ordered_json::parse(json_text(fields_value(fields(clip)))));
   return json;
 }
 
 std::string decoration_json(Decoration decoration) {
   Decoration plain;
-  return fields_json(fields(decoration), fields(plain));
+  return json_text(fields_value(fields(decoration), fields(plain)));
 }
 
 nlohmann::ordered_json to_json(SliceChoice choice) {
   choice.marks = recorded(choice.marks);
-  return nlohmann::ordered_json::parse(fields_json(fields(choice)));
+  return nlohmann::ordered_json::parse(json_text(fields_value(fields(choice))));
 }
 
 /// The settings of a view as it was drawn, but for those of a default view that say nothing.
@@ -56,7 +57,7 @@ nlohmann::ordered_json settings_of(SceneView view) {
   plain.after_step = view.after_step;
   if (view.transfer) view.preset.clear();
   view.marks = recorded(view.marks);
-  return nlohmann::ordered_json::parse(fields_json(fields(view), fields(plain)));
+  return nlohmann::ordered_json::parse(json_text(fields_value(fields(view), fields(plain))));
 }
 
 }  // namespace

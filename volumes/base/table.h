@@ -1,6 +1,6 @@
-// Strict reading of TOML: every key is asked for by name and type, and finish() rejects the keys
-// that nobody asked for, with line number and the nearest known name. All errors are InputError
-// with "file:line", the key, what was found and what is expected.
+// Strict reading of a table, wherever it came from: every key is asked for by name and type, and
+// finish() rejects the keys that nobody asked for, with line number and the nearest known name. All
+// errors are InputError with "file:line", the key, what was found and what is expected.
 #pragma once
 
 #include <functional>
@@ -13,14 +13,7 @@
 #include <vector>
 
 #include "volumes/base/fields.h"
-
-// toml++ is large: only toml_table.cpp includes it.
-namespace toml {
-inline namespace v3 {
-class node;
-class table;
-}  // namespace v3
-}  // namespace toml
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -29,13 +22,14 @@ bool is_integer(double value);
 
 class TomlTable {
  public:
-  /// The root of a file. Throws InputError for a missing file or a syntax error, with its line.
+  /// The root of a file of TOML. Throws InputError as read_toml().
   static TomlTable read(const std::string& path);
-  /// The root of a text; `source` names it in errors.
+  /// The root of a text of TOML; `source` names it in errors.
   static TomlTable parse(const std::string& text, const std::string& source);
-  /// Options of a command line, written as TOML with strings by toml_string(), whose bytes it gives
-  /// back. `options`: the option behind the full name of a key, for errors.
-  static TomlTable of_options(const std::string& text, std::map<std::string, std::string> options);
+  /// A table that came by another way. `options`: the option behind the full name of a key, for
+  /// errors.
+  explicit TomlTable(Value table, const std::string& source = "",
+                     std::map<std::string, std::string> options = {});
 
   /// Sets those of the fields that are there. A value that is not allowed is an error, and so is a
   /// required field that is missing.
@@ -94,8 +88,7 @@ class TomlTable {
   /// The files that path() and paths() have given so far: by key and text the absolute path.
   using Inputs = std::map<std::pair<std::string, std::string>, std::string>;
   const Inputs& inputs() const { return m_file_data->inputs; }
-  /// The whole table as one line of JSON.
-  std::string json() const;
+  const Value& value() const { return *m_table; }
 
   /// The value must be there; throws InputError naming the key otherwise.
   template <class T>
@@ -119,16 +112,16 @@ class TomlTable {
     Inputs inputs;
     Admits admits;
   };
-  TomlTable(std::shared_ptr<const toml::table> table, std::shared_ptr<File> file, std::string name);
-  const toml::node* find(const std::string& key);
-  TomlTable below(const toml::node& node, std::string name) const;
-  double number_of(const toml::node& node, const std::string& key, const std::string& expected);
+  TomlTable(std::shared_ptr<const Value> table, std::shared_ptr<File> file, std::string name);
+  const Value* find(const std::string& key);
+  TomlTable below(const Value& table, std::string name) const;
+  double number_of(const Value& value, const std::string& key, const std::string& expected);
   /// Full name in a file, whatever option stands for it.
   std::string own_name(const std::string& key) const;
   std::string input(const std::string& key, const std::string& path);
   void read_field(const Field& field, const std::string& key);
 
-  std::shared_ptr<const toml::table> m_table;  // keeps the whole file
+  std::shared_ptr<const Value> m_table;  // keeps the whole file
   std::shared_ptr<File> m_file_data;
   std::string m_name;
   std::set<std::string> m_known;

@@ -1,107 +1,38 @@
-#define TOML_IMPLEMENTATION  // the library itself, which other files only see declared
-#include "lib/material/toml_table.h"
+#include "volumes/base/table.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 
-#include <toml++/toml.h>
-
-#include "lib/material/toml_string.h"
 #include "volumes/base/error.h"
-#include "volumes/base/regular_file.h"
 #include "volumes/base/text.h"
+#include "volumes/base/toml.h"
 
 namespace supple {
-
-namespace {
-
-constexpr std::size_t kLongestText = 60;
-
-/// Adds the node to the line until the line is too long to be shown. Lists and tables are written
-/// here because the library's way to find whether they fit on a line is undefined for numbers
-/// below 1 and for infinite ones (`toml_formatter_count_inline_columns`).
-void add_text(std::string& line, const toml::node& node) {
-  if (line.size() > kLongestText) return;
-  if (const toml::array* list = node.as_array()) {
-    line += '[';
-    for (std::size_t i = 0; i < list->size() && line.size() <= kLongestText; ++i) {
-      if (i > 0) line += ", ";
-      add_text(line, (*list)[i]);
-    }
-    line += ']';
-  } else if (const toml::table* table = node.as_table()) {
-    line += '{';
-    for (const auto& [key, value] : *table) {
-      if (line.size() > kLongestText) break;
-      line += line.back() == '{' ? " " : ", ";
-      line += toml_key(std::string(key.str())) + " = ";
-      add_text(line, value);
-    }
-    line += line.back() == '{' ? "}" : " }";
-  } else if (const toml::value<double>* number = node.as_floating_point()) {
-    char shortest[32];  // that reads as the same number
-    line.append(shortest, std::to_chars(std::begin(shortest), std::end(shortest), **number).ptr);
-  } else {
-    std::ostringstream text;
-    node.visit([&text](const auto& value) { text << value; });
-    line += text.str();
-  }
-}
-
-std::string text_of(const toml::node& node) {
-  std::string line;
-  add_text(line, node);
-  std::replace(line.begin(), line.end(), '\n', ' ');
-  if (line.size() > kLongestText) line = line.substr(0, kLongestText - 3) + "...";
-  return line;
-}
-
-}  // namespace
 
 bool is_integer(double value) {
   return std::abs(value) <= 2147483647.0 && value == std::floor(value);
 }
 
 TomlTable TomlTable::parse(const std::string& text, const std::string& source) {
-  try {
-    return {std::make_shared<const toml::table>(toml::parse(text, source)),
-            std::make_shared<File>(File{source, {}, {}, {}, {}}), ""};
-  } catch (const toml::parse_error& error) {
-    throw InputError({source + ":" + std::to_string(error.source().begin.line),
-                      "not TOML: " + std::string(error.description()), "", ""});
-  }
-}
-
-TomlTable TomlTable::of_options(const std::string& text,
-                                std::map<std::string, std::string> options) {
-  TomlTable table = parse(text, "");
-  table.m_file_data->options = std::move(options);
-  return table;
+  return TomlTable(parse_toml(text, source), source);
 }
 
 TomlTable TomlTable::read(const std::string& path) {
-  require_regular_file(path);
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw_open_error(path, errno);
-  const std::string text((std::istreambuf_iterator<char>(stream)),
-                         std::istreambuf_iterator<char>());
-  if (text.empty()) throw InputError({path, "", "an empty file", "TOML"});
-  return parse(text, path);
+  return TomlTable(read_toml(path), path);
 }
 
-TomlTable::TomlTable(std::shared_ptr<const toml::table> table, std::shared_ptr<File> file,
+TomlTable::TomlTable(Value table, const std::string& source,
+                     std::map<std::string, std::string> options)
+    : m_table(std::make_shared<const Value>(std::move(table))),
+      m_file_data(std::make_shared<File>(File{source, std::move(options), {}, {}, {}})) {}
+
+TomlTable::TomlTable(std::shared_ptr<const Value> table, std::shared_ptr<File> file,
                      std::string name)
     : m_table(std::move(table)), m_file_data(std::move(file)), m_name(std::move(name)) {}
 
-TomlTable TomlTable::below(const toml::node& node, std::string name) const {
-  return {std::shared_ptr<const toml::table>(m_table, node.as_table()), m_file_data,
-          std::move(name)};
+TomlTable TomlTable::below(const Value& table, std::string name) const {
+  return {std::shared_ptr<const Value>(m_table, &table), m_file_data, std::move(name)};
 }
 
 void TomlTable::take_warnings(const TomlTable& other) {
@@ -110,9 +41,8 @@ void TomlTable::take_warnings(const TomlTable& other) {
 }
 
 std::string TomlTable::place(const std::string& key) const {
-  const toml::node* node = key.empty() ? m_table.get() : m_table->get(key);
-  if (node == nullptr) node = m_table.get();
-  const auto line = node->source().begin.line;
+  const Value* value = key.empty() ? nullptr : m_table->find(key);
+  const int line = value != nullptr ? value->line() : m_table->line();
   return line == 0 || file().empty() ? file() : file() + ":" + std::to_string(line);
 }
 
@@ -143,16 +73,15 @@ void TomlTable::fail_missing(const std::string& key, const std::string& expected
   fail(key, "nothing", expected);
 }
 
-const toml::node* TomlTable::find(const std::string& key) {
+const Value* TomlTable::find(const std::string& key) {
   m_known.insert(key);
-  return m_table->get(key);
+  return m_table->find(key);
 }
 
-double TomlTable::number_of(const toml::node& node, const std::string& key,
+double TomlTable::number_of(const Value& value, const std::string& key,
                             const std::string& expected) {
-  const auto value = node.value<double>();
-  if (!value || node.is_boolean() || !std::isfinite(*value)) fail(key, text_of(node), expected);
-  return *value;
+  if (!value.is_number() || !std::isfinite(value.number())) fail(key, shown_text(value), expected);
+  return value.number();
 }
 
 void TomlTable::read(const Fields& fields) {
@@ -229,7 +158,7 @@ void TomlTable::read_field(const Field& field, const std::string& key) {
   if (auto* value = std::get_if<PixelSize*>(&target)) {
     const auto pixels = numbers(key);
     if (pixels->size() != 2 || !is_integer((*pixels)[0]) || !is_integer((*pixels)[1])) {
-      fail(key, text_of(*m_table->get(key)), "two integers [width, height]");
+      fail(key, shown_text((*m_table)[key]), "two integers [width, height]");
     }
     for (int a = 0; a < 2; ++a) (**value)[a] = int(checked((*pixels)[a]));
   }
@@ -246,11 +175,10 @@ void TomlTable::read_field(const Field& field, const std::string& key) {
 }
 
 std::optional<std::string> TomlTable::string(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_string()) fail(key, text_of(*node), "a string");
-  const std::string text = *node->value<std::string>();
-  return m_file_data->options.empty() ? text : bytes_of_toml_string(text);
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_text()) fail(key, shown_text(*value), "a string");
+  return value->text();
 }
 
 std::optional<std::string> TomlTable::path(const std::string& key) {
@@ -259,14 +187,13 @@ std::optional<std::string> TomlTable::path(const std::string& key) {
 }
 
 bool TomlTable::is_string(const std::string& key) {
-  const toml::node* node = find(key);
-  return node != nullptr && node->is_string();
+  const Value* value = find(key);
+  return value != nullptr && value->is_text();
 }
 
 bool TomlTable::is_list_of_strings(const std::string& key) {
-  const toml::node* node = find(key);
-  const toml::array* list = node == nullptr ? nullptr : node->as_array();
-  return list != nullptr && !list->empty() && list->front().is_string();
+  const Value* value = find(key);
+  return value != nullptr && !value->items().empty() && value->front().is_text();
 }
 
 std::string TomlTable::input(const std::string& key, const std::string& path) {
@@ -300,31 +227,31 @@ std::vector<std::string> TomlTable::paths(const std::string& key) {
 }
 
 std::optional<bool> TomlTable::boolean(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_boolean()) fail(key, text_of(*node), "true or false");
-  return node->value<bool>();
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_truth()) fail(key, shown_text(*value), "true or false");
+  return value->truth();
 }
 
 std::optional<double> TomlTable::number(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  return number_of(*node, key, "a finite number");
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  return number_of(*value, key, "a finite number");
 }
 
 std::optional<long long> TomlTable::integer(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_integer()) fail(key, text_of(*node), "an integer");
-  return node->value<long long>();
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_whole()) fail(key, shown_text(*value), "an integer");
+  return value->whole();
 }
 
 std::optional<std::vector<double>> TomlTable::numbers(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_array()) fail(key, text_of(*node), "a list of numbers");
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_list()) fail(key, shown_text(*value), "a list of numbers");
   std::vector<double> values;
-  for (const toml::node& item : *node->as_array()) {
+  for (const Value& item : value->items()) {
     values.push_back(number_of(item, key, "a list of finite numbers"));
   }
   return values;
@@ -333,7 +260,7 @@ std::optional<std::vector<double>> TomlTable::numbers(const std::string& key) {
 std::optional<Vec3d> TomlTable::vector(const std::string& key) {
   const auto values = numbers(key);
   if (!values) return std::nullopt;
-  if (values->size() != 3) fail(key, text_of(*m_table->get(key)), "three numbers");
+  if (values->size() != 3) fail(key, shown_text((*m_table)[key]), "three numbers");
   return Vec3d((*values)[0], (*values)[1], (*values)[2]);
 }
 
@@ -344,65 +271,64 @@ std::optional<Vec3i> TomlTable::voxel(const std::string& key) {
   for (int axis = 0; axis < 3; ++axis) {
     voxel[axis] = int(std::clamp((*values)[axis], -2147483648.0, 2147483647.0));
     if (voxel[axis] != (*values)[axis]) {
-      fail(key, text_of(*m_table->get(key)), "three integers, a voxel i, j, k");
+      fail(key, shown_text((*m_table)[key]), "three integers, a voxel i, j, k");
     }
   }
   return voxel;
 }
 
 std::optional<std::vector<std::string>> TomlTable::strings(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_array()) fail(key, text_of(*node), "a list of strings");
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_list()) fail(key, shown_text(*value), "a list of strings");
   std::vector<std::string> values;
-  for (const toml::node& item : *node->as_array()) {
-    if (!item.is_string()) fail(key, text_of(item), "a list of strings");
-    const std::string text = *item.value<std::string>();
-    values.push_back(m_file_data->options.empty() ? text : bytes_of_toml_string(text));
+  for (const Value& item : value->items()) {
+    if (!item.is_text()) fail(key, shown_text(item), "a list of strings");
+    values.push_back(item.text());
   }
   return values;
 }
 
 std::optional<std::vector<std::vector<double>>> TomlTable::rows(
     const std::string& key, const std::set<std::size_t>& lengths, const std::string& expected) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_array()) fail(key, text_of(*node), expected);
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_list()) fail(key, shown_text(*value), expected);
   std::vector<std::vector<double>> rows;
-  for (const toml::node& item : *node->as_array()) {
-    if (!item.is_array()) fail(key, text_of(item), expected);
+  for (const Value& item : value->items()) {
+    if (!item.is_list()) fail(key, shown_text(item), expected);
     std::vector<double> row;
-    for (const toml::node& value : *item.as_array()) {
-      row.push_back(number_of(value, key, expected));
-    }
-    if (lengths.count(row.size()) == 0) fail(key, text_of(item), expected);
+    for (const Value& one : item.items()) row.push_back(number_of(one, key, expected));
+    if (lengths.count(row.size()) == 0) fail(key, shown_text(item), expected);
     rows.push_back(std::move(row));
   }
   return rows;
 }
 
 std::optional<TomlTable> TomlTable::table(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return std::nullopt;
-  if (!node->is_table()) fail(key, text_of(*node), "a table");
-  return below(*node, own_name(key));
+  const Value* value = find(key);
+  if (value == nullptr) return std::nullopt;
+  if (!value->is_table()) fail(key, shown_text(*value), "a table");
+  return below(*value, own_name(key));
 }
 
 std::vector<std::string> TomlTable::keys() const {
   std::vector<std::string> names;
-  for (const auto& [key, node] : *m_table) names.emplace_back(key.str());
+  for (const auto& [key, value] : m_table->entries()) names.push_back(key);
+  std::sort(names.begin(), names.end());
   return names;
 }
 
 std::vector<TomlTable> TomlTable::tables(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr) return {};
-  const bool is_empty = node->is_array() && node->as_array()->empty();
-  if (!is_empty && !node->is_array_of_tables()) {
-    fail(key, text_of(*node), "tables, [[" + key + "]] or a list of { … }");
+  const Value* value = find(key);
+  if (value == nullptr) return {};
+  const Value::List& items = value->items();
+  const auto is_table = [](const Value& item) { return item.is_table(); };
+  if (!value->is_list() || !std::all_of(items.begin(), items.end(), is_table)) {
+    fail(key, shown_text(*value), "tables, [[" + key + "]] or a list of { … }");
   }
   std::vector<TomlTable> tables;
-  for (const toml::node& item : *node->as_array()) {
+  for (const Value& item : value->items()) {
     const std::string number = "[" + std::to_string(tables.size() + 1) + "]";
     tables.push_back(below(item, own_name(key) + number));
   }
@@ -410,22 +336,13 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
 }
 
 std::vector<TomlTable> TomlTable::table_or_tables(const std::string& key) {
-  const toml::node* node = find(key);
-  if (node == nullptr || !node->is_table()) return tables(key);
-  return {below(*node, own_name(key))};
-}
-
-std::string TomlTable::json() const {
-  std::ostringstream text;
-  text << toml::json_formatter(*m_table);
-  std::string line = text.str();
-  line.erase(std::remove(line.begin(), line.end(), '\n'), line.end());
-  return line;
+  const Value* value = find(key);
+  if (value == nullptr || !value->is_table()) return tables(key);
+  return {below(*value, own_name(key))};
 }
 
 void TomlTable::finish() const {
-  for (const auto& [key, node] : *m_table) {
-    const std::string name(key.str());
+  for (const std::string& name : keys()) {
     if (m_known.count(name) != 0) continue;
     const std::string nearest = nearest_name(name, {m_known.begin(), m_known.end()});
     std::string expected = "did you mean '" + nearest + "'?";
