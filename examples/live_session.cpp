@@ -9,14 +9,14 @@
 int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: live_session JOURNAL\n"), 2;
   // [session]
-  supple::tools::LiveSession live(supple::TomlTable::read(argv[1]), nullptr);
+  supple::tools::LiveSession live(supple::Table::read(argv[1]), nullptr);
   live.record_with([](const std::string& keys, bool) { std::printf("%s\n", keys.c_str()); });
   for (const supple::tools::LiveEvent& event : live.events()) {
     live.carry_out(event);
     while (live.has_more()) live.go_on();  // settles, in slices between which new events may come
   }
   const std::string before = supple::tools::hash_of(live.session().state());
-  supple::TomlTable undo = supple::TomlTable::parse("kind = \"undo\"\n", "an event of its own");
+  supple::Table undo = supple::Table::parse("kind = \"undo\"\n", "an event of its own");
   live.carry_out(supple::tools::read_event(undo, live.scene().label_names));
   // [session]
   const bool is_undone = supple::tools::hash_of(live.session().state()) != before;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kAxisNames = "ijk";
 
-std::optional<Curve> read_curve(TomlTable& table, const std::string& key) {
+std::optional<Curve> read_curve(Table& table, const std::string& key) {
   const auto rows = table.rows(key, {2}, "a list of [density, value] pairs");
   if (!rows) return std::nullopt;
   if (rows->empty()) table.fail(key, "an empty list", "at least one [density, value] pair");
@@ -24,7 +24,7 @@ std::optional<Curve> read_curve(TomlTable& table, const std::string& key) {
   return curve;
 }
 
-void read_range(TomlTable& table, const std::string& key, double& lo, double& hi) {
+void read_range(Table& table, const std::string& key, double& lo, double& hi) {
   const auto values = table.numbers(key);
   if (!values) return;
   if (values->size() != 2) {
@@ -35,7 +35,7 @@ void read_range(TomlTable& table, const std::string& key, double& lo, double& hi
 }
 
 /// Reads [LO, HI] or "foreground"; a preset's choice where the table has none.
-void read_active(TomlTable& table, const MaterialTable* tissue, MaterialTable& material) {
+void read_active(Table& table, const MaterialTable* tissue, MaterialTable& material) {
   material.active_lo = material.domain_lo;
   material.active_hi = material.domain_hi;
   if (table.is_string("active")) {
@@ -51,7 +51,7 @@ void read_active(TomlTable& table, const MaterialTable* tissue, MaterialTable& m
       material.fits_domain && (material.finds_foreground || !table.has("active"));
 }
 
-Combine read_combine(TomlTable& table) {
+Combine read_combine(Table& table) {
   const std::string name = table.string("combine").value_or("density");
   if (name == "density") return Combine::density;
   if (name == "limits") return Combine::limits;
@@ -59,7 +59,7 @@ Combine read_combine(TomlTable& table) {
 }
 
 /// Reads true, false or "poisson".
-void read_relax(TomlTable& table, MaterialTable& material) {
+void read_relax(Table& table, MaterialTable& material) {
   try {
     material.relaxes = table.boolean("relax").value_or(material.relaxes);
     material.relaxes_by_poisson = material.relaxes_by_poisson && !table.has("relax");
@@ -76,7 +76,7 @@ void read_relax(TomlTable& table, MaterialTable& material) {
   }
 }
 
-int read_components(TomlTable& table) {
+int read_components(Table& table) {
   if (!table.has("components")) return 0;
   try {
     const std::string name = table.string("components").value_or("");
@@ -89,13 +89,13 @@ int read_components(TomlTable& table) {
   table.fail("components", "another value", "\"all\", \"largest\" or a count from 1");
 }
 
-int read_links(TomlTable& table) {
+int read_links(Table& table) {
   const long long links = table.integer("links").value_or(6);
   if (links == 6 || links == 18 || links == 26) return int(links);
   table.fail("links", std::to_string(links), "6, 18 or 26");
 }
 
-std::optional<std::pair<double, double>> read_rigid(TomlTable& table) {
+std::optional<std::pair<double, double>> read_rigid(Table& table) {
   std::pair<double, double> range;
   read_range(table, "rigid", range.first, range.second);
   if (!(range.first <= range.second)) {
@@ -125,7 +125,7 @@ void append_limits(std::string& text, const LimitTable& limits) {
   for (const NamedCurve& named : curves_of(limits)) append_curve(text, named.name, *named.curve);
 }
 
-void know_limits(TomlTable& table) {
+void know_limits(Table& table) {
   table.know({"domain", "max_length", "min_length", "shear", "shear1", "shear2", "max_length_i",
               "max_length_j", "max_length_k", "min_length_i", "min_length_j", "min_length_k",
               "preset"});
@@ -134,7 +134,7 @@ void know_limits(TomlTable& table) {
 
 /// Reads the curves that stand for keys that are not given: those of the preset, or none. `tissue`:
 /// the table of a tissue preset, which only the common table can have.
-LimitTable read_preset(TomlTable& table, const LimitTable& limits, const MaterialTable* tissue) {
+LimitTable read_preset(Table& table, const LimitTable& limits, const MaterialTable* tissue) {
   const auto name = table.string("preset");
   if (!name) return {};
   if (tissue != nullptr) return *tissue;
@@ -146,7 +146,7 @@ LimitTable read_preset(TomlTable& table, const LimitTable& limits, const Materia
 }
 
 /// Reads curves over the domain of `limits`.
-void read_curves(TomlTable& table, LimitTable& limits, const MaterialTable* tissue = nullptr) {
+void read_curves(Table& table, LimitTable& limits, const MaterialTable* tissue = nullptr) {
   const std::string pairs = "a list of [density, value] pairs";
   const LimitTable preset = read_preset(table, limits, tissue);
   const auto or_else = [](std::optional<Curve> curve, const Curve& of_preset) {
@@ -179,14 +179,14 @@ void read_curves(TomlTable& table, LimitTable& limits, const MaterialTable* tiss
 
 /// Reads [label.N] tables, N a number or a name, each with the domain of `material` unless it has
 /// its own.
-void read_labels(TomlTable& labels, const LabelNames& names, MaterialTable& material) {
+void read_labels(Table& labels, const LabelNames& names, MaterialTable& material) {
   for (const std::string& key : labels.keys()) {
     const auto label = find_label(names, key);
     if (!label) labels.fail(key, "\"" + key + "\"", expected_label(names));
     if (material.labels.count(*label) != 0) {
       labels.fail(key, "a second table of label " + std::to_string(*label), "one");
     }
-    TomlTable table = *labels.table(key);
+    Table table = *labels.table(key);
     LimitTable& limits = material.labels[*label];
     know_limits(table);
     limits.domain_lo = material.domain_lo;
@@ -199,7 +199,7 @@ void read_labels(TomlTable& labels, const LabelNames& names, MaterialTable& mate
 
 /// The table of a tissue preset, if the table names one. Curves of one that fits its domain to the
 /// volume are constant.
-std::optional<MaterialTable> read_tissue(TomlTable& table) {
+std::optional<MaterialTable> read_tissue(Table& table) {
   if (!table.is_string("preset")) return std::nullopt;
   const std::string name = *table.string("preset");
   const TissuePreset* preset = find_tissue_preset(name);
@@ -217,7 +217,7 @@ std::optional<MaterialTable> read_tissue(TomlTable& table) {
 
 }  // namespace
 
-MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
+MaterialTable read_material_table(Table& table, const LabelNames& names) {
   know_limits(table);
   table.know({"active", "combine", "components", "links", "rigid", "relax", "contact", "label"});
   const std::optional<MaterialTable> tissue = read_tissue(table);
@@ -256,7 +256,7 @@ MaterialTable read_material_table(TomlTable& table, const LabelNames& names) {
 }
 
 MaterialTable parse_material(const std::string& text, const std::string& source) {
-  TomlTable table = TomlTable::parse(text, source);
+  Table table = Table::parse(text, source);
   return read_material_table(table);
 }
 
@@ -264,7 +264,7 @@ MaterialTable read_material(const std::string& path, const LabelNames& names) {
   if (find_tissue_preset(path) != nullptr && !std::filesystem::exists(path)) {
     return parse_material("preset = \"" + path + "\"", path);
   }
-  TomlTable table = TomlTable::read(path);
+  Table table = Table::read(path);
   return read_material_table(table, names);
 }
 

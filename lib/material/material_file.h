@@ -8,7 +8,7 @@
 
 namespace supple {
 
-class TomlTable;
+class Table;
 
 /// Reads a material file; throws InputError naming the key point. `names` are those of a
 /// segmentation's labels (label_names of volumes/io/load/label_file.h); tables of labels may use
@@ -18,7 +18,7 @@ MaterialTable read_material(const std::string& path, const LabelNames& names = {
 MaterialTable parse_material(const std::string& text, const std::string& source);
 /// Reads the keys of a material out of a table (a file's root or a scene's [material]); a preset
 /// stands for the keys that are not given.
-MaterialTable read_material_table(TomlTable& table, const LabelNames& names = {});
+MaterialTable read_material_table(Table& table, const LabelNames& names = {});
 
 /// Canonical text: parse_material(material_to_toml(m)) equals m.
 std::string material_to_toml(const MaterialTable& material);

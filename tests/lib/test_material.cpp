@@ -144,7 +144,7 @@ TEST(UnitMaterial, EveryErrorNamesTableKeyPointValueAndExpectation) {
 // Numbers below 1 and infinite ones: the library's own text of a list is undefined for them.
 TEST(UnitMaterial, AnErrorShowsAListOrATableOnOneLine) {
   const auto found = [](const std::string& value) {
-    TomlTable table = TomlTable::parse("key = " + value, "m.toml");
+    Table table = Table::parse("key = " + value, "m.toml");
     try {
       table.string("key");
     } catch (const InputError& error) {

@@ -15,7 +15,7 @@ using namespace supple::tools;
 namespace {
 
 LiveEvent event(const std::string& keys) {
-  TomlTable root = TomlTable::parse("[[event]]\n" + keys, "event");
+  Table root = Table::parse("[[event]]\n" + keys, "event");
   return read_event(root.tables("event").front(), {});
 }
 
@@ -51,8 +51,8 @@ class UnitLiveLoop : public ::testing::Test {
  protected:
   UnitLiveLoop() {
     write_ball(m_folder, "ball", 96);
-    m_live.emplace(
-        TomlTable::parse("[volume]\npath = \"" + (m_folder / "ball.nhdr") + "\"", "ball"), nullptr);
+    m_live.emplace(Table::parse("[volume]\npath = \"" + (m_folder / "ball.nhdr") + "\"", "ball"),
+                   nullptr);
   }
 
   Intruder run_with(const std::string& intruder) {

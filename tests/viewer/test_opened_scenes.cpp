@@ -17,7 +17,7 @@ using namespace supple::tools;
 namespace {
 
 Scene scene_of(const std::string& views) {
-  return read_scene(TomlTable::parse("[volume]\npath = \"none.nrrd\"\n" + views, "scene"));
+  return read_scene(Table::parse("[volume]\npath = \"none.nrrd\"\n" + views, "scene"));
 }
 
 }  // namespace
@@ -38,7 +38,7 @@ TEST(UnitOpenedScenes, EveryPatientOfTheDocsHasAViewThatIsShown) {
   for (const auto& entry : std::filesystem::directory_iterator(source_dir() + "/docs/scenes")) {
     const std::string name = entry.path().stem().string();
     if (entry.path().extension() != ".toml") continue;
-    TomlTable root = TomlTable::read(entry.path().string());
+    Table root = Table::read(entry.path().string());
     const bool is_drawing = name.rfind("figure_", 0) == 0 || name.rfind("t_shape_", 0) == 0 ||
                             name.rfind("fem_", 0) == 0;
     if (!root.table("volume") || root.has("film") || root.has("labels") || is_drawing) continue;
@@ -80,7 +80,7 @@ TEST(UnitOpenedScenes, NoKeyNamesAFileOutsideTheFolders) {
     const std::string file = outside / ("in/scene_" + std::to_string(n) + ".toml");
     std::ofstream(file) << scenes[n];
     const std::string error = input_error([&] {
-      TomlTable root = TomlTable::read(file);
+      Table root = Table::read(file);
       require_within(root, Folders({outside / "in"}));
       read_scene(root);
     });

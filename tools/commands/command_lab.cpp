@@ -7,6 +7,7 @@
 #include "tools/lab/options/lab_options.h"
 #include "tools/scene/plan/calibrate.h"
 #include "volumes/base/own_process.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -31,7 +32,7 @@ int run_calibration(const GlobalOptions& global, Console& console) {
   write_costs(path, costs);
   console.note("wrote " + path);
   if (global.json) {
-    std::printf("%s\n", fields_json(fields(costs)).c_str());
+    std::printf("%s\n", json_text(fields_value(fields(costs))).c_str());
   } else if (!global.quiet) {
     for (const Field& field : fields(costs)) {
       const bool is_number = field.holds<double>();

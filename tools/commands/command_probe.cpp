@@ -37,8 +37,8 @@ struct ProbedPlace {
 ProbedPlace place_at(const std::string& text, const Geometry& geometry) {
   GivenSelection given;
   const PlaceText place = parse_place("--at", text);
-  TomlTable table = TomlTable::parse(
-      "frame = " + toml_string(place.frame) + "\npiece_at = " + place.toml, "--at");
+  Table table =
+      Table::parse("frame = " + toml_string(place.frame) + "\npiece_at = " + place.toml, "--at");
   table.read(fields(given));
   ProbedPlace found;
   found.index = index_of(*given.piece_at, given.frame, geometry);

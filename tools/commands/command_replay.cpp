@@ -85,7 +85,7 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
   }
   std::optional<PictureSeries> film;
   if (!files.film.empty()) film.emplace(files.film, options.frames_per_second, files.film);
-  Replay replay(TomlTable::read(files.input), options, console, console);
+  Replay replay(Table::read(files.input), options, console, console);
   if (film) plan.add_files(film->files(replay.film_length()));
   console.claim(plan.files());
   if (film) {

@@ -131,7 +131,7 @@ bool is_table(const std::string& text) {
 std::string toml_table(const std::string& option, const std::string& text) {
   std::string found = "'" + text + "'";
   try {
-    TomlTable whole = TomlTable::parse("x = " + text, option);
+    Table whole = Table::parse("x = " + text, option);
     if (whole.keys().size() == 1 && whole.table("x")) return text;
   } catch (const InputError& error) {
     found = error.problem().field;
@@ -158,11 +158,11 @@ std::string toml_numbers(const std::string& option, const std::string& text, std
 
 namespace {
 
-TomlTable table_of_options(const std::string& text, std::map<std::string, std::string> options) {
+Table table_of_options(const std::string& text, std::map<std::string, std::string> options) {
   Value root = parse_toml(text, "");
   for_each_text(root, "",
                 [](const std::string&, std::string& own) { own = bytes_of_toml_string(own); });
-  return TomlTable(std::move(root), "", std::move(options));
+  return Table(std::move(root), "", std::move(options));
 }
 
 }  // namespace
@@ -190,7 +190,7 @@ void SceneOptions::add(const std::string& table, const Fields& fields, const std
 void SceneOptions::set(const std::string& table, const std::string& key, const std::string& toml,
                        const std::string& option) {
   try {
-    TomlTable::parse(key + " = " + toml, option);
+    Table::parse(key + " = " + toml, option);
   } catch (const InputError& error) {
     throw UsageError(error.what());
   }
@@ -198,7 +198,7 @@ void SceneOptions::set(const std::string& table, const std::string& key, const s
   m_text[table] += key + " = " + toml + "\n";
 }
 
-TomlTable SceneOptions::scene() const {
+Table SceneOptions::scene() const {
   std::string text;
   for (const std::string& table : m_tables) {
     const auto holds = [&](const std::string& other) {

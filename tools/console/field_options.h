@@ -47,7 +47,7 @@ class SceneOptions {
   bool has(const std::string& table) const { return m_text.count(table) != 0; }
 
   /// The root of the scene that the options describe.
-  TomlTable scene() const;
+  Table scene() const;
 
  private:
   CLI::App& m_app;

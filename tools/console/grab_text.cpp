@@ -30,7 +30,7 @@ GrabText of_table(const std::string& option, const std::string& text) {
   const std::string table = toml_table(option, text);
   const std::size_t first = table.find('{') + 1, last = table.rfind('}');
   GrabText grab{table.substr(first, last - first)};
-  TomlTable parsed = *TomlTable::parse("x = " + text, option).table("x");
+  Table parsed = *Table::parse("x = " + text, option).table("x");
   for (const char* key : {"by", "by_mm_lps", "rotate", "scale", "scale_axes", "path"}) {
     grab.moves_itself = grab.moves_itself || parsed.has(key);
   }

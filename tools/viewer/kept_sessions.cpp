@@ -178,7 +178,7 @@ std::string journal_of(const LeftSession& left) {
   std::string text = contents_of(left.path);
   for (;;) {
     try {
-      TomlTable::parse(text, left.path);
+      Table::parse(text, left.path);
       return text;
     } catch (const InputError&) {
       const std::size_t last = text.rfind(kEvent);
@@ -257,7 +257,7 @@ void KeptJournal::begin(const std::function<std::string()>& journal) {
   // What the file that was opened says, and what opening did, nobody loses.
   const std::size_t first = std::min(events.rfind(kEvent), events.size());
   if (m_replaces.empty()) events.insert(first, std::string("\n") + kSaved);
-  TomlTable root = TomlTable::parse(events, "journal");
+  Table root = Table::parse(events, "journal");
   const std::string volume = root.table("volume")->string("path").value_or("");
   const std::string name = m_folder + "/" + plain_name(volume) + local_time(now, "-%Y%m%d-%H%M%S-");
   int number = ::getpid();

@@ -36,7 +36,7 @@ LiveFrame frame_for(const ViewSettings& settings, double budget_ms) {
 
 }  // namespace
 
-OpenScene::OpenScene(const TomlTable& root, double budget_ms, const ViewSettings& settings,
+OpenScene::OpenScene(const Table& root, double budget_ms, const ViewSettings& settings,
                      const SceneOutlets& outlets)
     : m_outlets(outlets),
       m_settings(settings),

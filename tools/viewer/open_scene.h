@@ -31,7 +31,7 @@ class OpenScene final : public LoopWatcher {
   /// Opens what the root of a scene or journal describes and carries out its steps or events; where
   /// there are none, the largest bone is fixed (first_anchor()), and finite elements settle tissue
   /// that it holds (first_model()). Throws as LiveSession.
-  OpenScene(const TomlTable& root, double budget_ms, const ViewSettings& settings,
+  OpenScene(const Table& root, double budget_ms, const ViewSettings& settings,
             const SceneOutlets& outlets);
 
   /// See LiveLoop::run().

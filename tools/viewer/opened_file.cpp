@@ -65,7 +65,7 @@ AssumedMaterial assumed_material(const std::string& path, Progress* progress) {
 
 OpenedFile opened_file(const std::string& path, const std::string& material,
                        const std::string& preset, Progress* progress) {
-  if (std::filesystem::path(path).extension() == ".toml") return {TomlTable::read(path), "", false};
+  if (std::filesystem::path(path).extension() == ".toml") return {Table::read(path), "", false};
   std::string assumed;
   Json json = {{"volume", {{"path", absolute_path(path)}}}};
   if (find_tissue_preset(material) != nullptr) {
@@ -79,10 +79,10 @@ OpenedFile opened_file(const std::string& path, const std::string& material,
   }
   json["view"].push_back({{"image", "live.png"}});
   if (!preset.empty()) json["view"][0]["preset"] = preset;
-  return {TomlTable::parse(toml_document(json.dump()), path), assumed, true};
+  return {Table::parse(toml_document(json.dump()), path), assumed, true};
 }
 
-void require_within(TomlTable& root, const Folders& folders) {
+void require_within(Table& root, const Folders& folders) {
   root.admit_inputs([folders](const std::string& path) {
     folders.input(std::filesystem::absolute(path).string());
   });

@@ -14,7 +14,7 @@ namespace supple::tools {
 constexpr const char* kUniform = "uniform";
 
 struct OpenedFile {
-  TomlTable root;
+  Table root;
   std::string assumed;   // what was assumed for want of a material, one line; empty: nothing
   bool is_scan = false;  // a volume or a state, which does not say how it is looked at
 };
@@ -27,6 +27,6 @@ OpenedFile opened_file(const std::string& path, const std::string& material,
 
 /// Whatever file the root names from now on, itself or by a file that it names, must lie within the
 /// folders.
-void require_within(TomlTable& root, const Folders& folders);
+void require_within(Table& root, const Folders& folders);
 
 }  // namespace supple::tools

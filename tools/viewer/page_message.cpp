@@ -77,21 +77,21 @@ PageMessage parse_page_message(std::string_view text) {
   return message;
 }
 
-TomlTable table_of(const PageMessage& message) {
+Table table_of(const PageMessage& message) {
   if (!message.value.is_object()) {
     throw InputError({message.verb, "", "no object", "an object of keys"});
   }
   if (has_control_characters(message.value)) {
     throw InputError({message.verb, "", "control characters", "texts and names without them"});
   }
-  TomlTable root = TomlTable::parse(toml_document(Json{{message.verb, message.value}}.dump()), "");
+  Table root = Table::parse(toml_document(Json{{message.verb, message.value}}.dump()), "");
   return *root.table(message.verb);
 }
 
 LiveEvent event_of(const PageMessage& message, const LabelNames& names, const Folders& folders) {
   PageMessage checked = message;
   resolve_files(checked.value, "", folders);
-  TomlTable table = table_of(checked);
+  Table table = table_of(checked);
   table.admit_inputs(
       [&folders](const std::string& path) { folders.input(std::filesystem::absolute(path)); });
   return read_event(table, names);

@@ -36,7 +36,7 @@ PageMessage parse_page_message(std::string_view text);
 
 /// The value of a verb as a table, so that keys are read strictly. Throws InputError for values
 /// that TOML lacks.
-TomlTable table_of(const PageMessage& message);
+Table table_of(const PageMessage& message);
 
 /// An event, its files within the folders. Throws InputError as read_event.
 LiveEvent event_of(const PageMessage& message, const LabelNames& names, const Folders& folders);

@@ -133,7 +133,7 @@ Json presets_json() {
 Json material_presets_json() {
   Json json = Json::array();
   for (const TissuePreset& preset : tissue_presets()) {
-    const TomlTable table = TomlTable::parse(preset.table, preset.name);
+    const Table table = Table::parse(preset.table, preset.name);
     json.push_back({{"name", preset.name}, {"table", Json::parse(json_text(table.value()))}});
   }
   return json;
@@ -141,7 +141,7 @@ Json material_presets_json() {
 
 /// A string of the message's only key.
 std::string text_in(const PageMessage& message, const char* key) {
-  TomlTable table = table_of(message);
+  Table table = table_of(message);
   const std::string text = table.require(table.string(key), key, "a text");
   table.finish();
   return text;
@@ -156,7 +156,7 @@ Json query(const PageMessage& message, const Folders& folders) {
   return material_presets_json();
 }
 
-int histogram_bins(TomlTable& table) {
+int histogram_bins(Table& table) {
   int bins = 256;
   table.read({Field("bins", bins, "Of equal width").range(2, 4096)});
   table.finish();
@@ -192,7 +192,7 @@ Json histogram_json(OpenScene& scene, int bins) {
 
 Json material_json(OpenScene& scene) {
   const std::string text = material_to_toml(scene.live().session().material());
-  return Json::parse(json_text(TomlTable::parse(text, "material").value()));
+  return Json::parse(json_text(Table::parse(text, "material").value()));
 }
 
 Json slices_json(SliceSettings slices) {

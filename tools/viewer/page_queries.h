@@ -12,7 +12,7 @@ namespace supple::tools {
 /// Answers to `list`, `presets`, `options`, `materials`. Throws InputError.
 nlohmann::ordered_json query(const PageMessage& message, const Folders& folders);
 
-int histogram_bins(TomlTable& table);
+int histogram_bins(Table& table);
 /// Of the densities of the elements.
 nlohmann::ordered_json histogram_json(OpenScene& scene, int bins);
 /// The material as its file has it.

@@ -149,7 +149,7 @@ Json pick_in_slice(OpenScene& scene, const PickRequest& request) {
 
 }  // namespace
 
-PickRequest pick_request(TomlTable& table) {
+PickRequest pick_request(Table& table) {
   PickRequest request;
   const std::string view = table.require(table.string("view"), "view", "the name of a view");
   const auto named = std::find(kViewNames.begin(), kViewNames.end(), view);

@@ -13,7 +13,7 @@ struct PickRequest {
   bool ray_only = false;
 };
 /// Throws InputError.
-PickRequest pick_request(TomlTable& table);
+PickRequest pick_request(Table& table);
 
 /// The answer to `pick`; null where nothing is hit.
 nlohmann::ordered_json pick(OpenScene& scene, const PickRequest& request);

@@ -44,7 +44,7 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-void check_extension(const TomlTable& table, const SaveRequest& request) {
+void check_extension(const Table& table, const SaveRequest& request) {
   for (const SaveKind& kind : save_kinds()) {
     if (kind.name != request.what) continue;
     const bool fits =
@@ -107,7 +107,7 @@ Replay replay_of(OpenScene& scene, const SaveRequest& request) {
   options.size = request.size;
   options.speed = request.speed;
   options.frames_per_second = request.frames_per_second;
-  return {TomlTable::parse(scene.live().journal(), "journal"), options, scene.console(),
+  return {Table::parse(scene.live().journal(), "journal"), options, scene.console(),
           scene.progress()};
 }
 
@@ -200,7 +200,7 @@ Fields fields(SaveRequest& request) {
   };
 }
 
-SaveRequest save_request(TomlTable& table, const Folders& folders) {
+SaveRequest save_request(Table& table, const Folders& folders) {
   SaveRequest request;
   table.know({"path", "view"});
   table.read(fields(request));

@@ -21,7 +21,7 @@ struct SaveRequest {
 /// But for `path` and `view`.
 Fields fields(SaveRequest& request);
 /// Throws InputError, also for a path outside and a name of the wrong kind.
-SaveRequest save_request(TomlTable& table, const Folders& folders);
+SaveRequest save_request(Table& table, const Folders& folders);
 
 /// Writes it; the answer to `save`. Throws as its writers do, Cancelled.
 nlohmann::ordered_json save(OpenScene& scene, const SaveRequest& request);

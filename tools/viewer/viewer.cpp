@@ -19,7 +19,7 @@ constexpr int kLargestSide = 4096;  // of a view, pixels
 /// What is asked of the open scene, its value read and checked.
 std::function<Json(OpenScene&)> question_of(const PageMessage& message, const Folders& folders) {
   if (message.verb == "material") return material_json;
-  TomlTable table = table_of(message);
+  Table table = table_of(message);
   if (message.verb == "pick") {
     return [request = pick_request(table)](OpenScene& scene) { return pick(scene, request); };
   }
@@ -30,7 +30,7 @@ std::function<Json(OpenScene&)> question_of(const PageMessage& message, const Fo
   return [bins = histogram_bins(table)](OpenScene& scene) { return histogram_json(scene, bins); };
 }
 
-PixelSize size_of(TomlTable& table, const char* view, const PixelSize& before) {
+PixelSize size_of(Table& table, const char* view, const PixelSize& before) {
   const auto given = table.numbers(view);
   if (!given) return before;
   const auto is_side = [](double side) {
@@ -253,7 +253,7 @@ void Viewer::take_event(int page, const PageMessage& message) {
 }
 
 void Viewer::take_size(const PageMessage& message) {
-  TomlTable table = table_of(message);
+  Table table = table_of(message);
   const std::lock_guard lock(m_guard);
   ViewSettings settings = m_settings;
   for (std::size_t view = 0; view < kViewCount; ++view) {
@@ -264,7 +264,7 @@ void Viewer::take_size(const PageMessage& message) {
 }
 
 void Viewer::take_slices(const PageMessage& message) {
-  TomlTable table = table_of(message);
+  Table table = table_of(message);
   const std::lock_guard lock(m_guard);
   SliceSettings slices = m_settings.slices;
   table.read(fields(slices));

@@ -60,7 +60,7 @@ void Viewer::open(const OpenedFile& file, const std::string& input, const std::s
 }
 
 void Viewer::take_open(int page, const PageMessage& message) {
-  TomlTable table = table_of(message);
+  Table table = table_of(message);
   const std::string path = m_folders.input(table.require(table.string("path"), "path", "a file"));
   std::string material = table.string("material").value_or("");
   const bool is_file =
@@ -92,7 +92,7 @@ void Viewer::open_later(int page, const PageMessage& message, const std::functio
 }
 
 void Viewer::go_on_with(const LeftSession& left, bool is_own_input) {
-  OpenedFile file{TomlTable::parse(journal_of(left), left.path), "", false};
+  OpenedFile file{Table::parse(journal_of(left), left.path), "", false};
   if (!is_own_input) require_within(file.root, m_folders);
   open(file, left.input, left.path);
 }

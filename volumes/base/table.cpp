@@ -14,44 +14,42 @@ bool is_integer(double value) {
   return std::abs(value) <= 2147483647.0 && value == std::floor(value);
 }
 
-TomlTable TomlTable::parse(const std::string& text, const std::string& source) {
-  return TomlTable(parse_toml(text, source), source);
+Table Table::parse(const std::string& text, const std::string& source) {
+  return Table(parse_toml(text, source), source);
 }
 
-TomlTable TomlTable::read(const std::string& path) {
-  return TomlTable(read_toml(path), path);
+Table Table::read(const std::string& path) {
+  return Table(read_toml(path), path);
 }
 
-TomlTable::TomlTable(Value table, const std::string& source,
-                     std::map<std::string, std::string> options)
+Table::Table(Value table, const std::string& source, std::map<std::string, std::string> options)
     : m_table(std::make_shared<const Value>(std::move(table))),
       m_file_data(std::make_shared<File>(File{source, std::move(options), {}, {}, {}})) {}
 
-TomlTable::TomlTable(std::shared_ptr<const Value> table, std::shared_ptr<File> file,
-                     std::string name)
+Table::Table(std::shared_ptr<const Value> table, std::shared_ptr<File> file, std::string name)
     : m_table(std::move(table)), m_file_data(std::move(file)), m_name(std::move(name)) {}
 
-TomlTable TomlTable::below(const Value& table, std::string name) const {
+Table Table::below(const Value& table, std::string name) const {
   return {std::shared_ptr<const Value>(m_table, &table), m_file_data, std::move(name)};
 }
 
-void TomlTable::take_warnings(const TomlTable& other) {
+void Table::take_warnings(const Table& other) {
   std::vector<std::string>& all = m_file_data->warnings;
   all.insert(all.end(), other.warnings().begin(), other.warnings().end());
 }
 
-std::string TomlTable::place(const std::string& key) const {
+std::string Table::place(const std::string& key) const {
   const Value* value = key.empty() ? nullptr : m_table->find(key);
   const int line = value != nullptr ? value->line() : m_table->line();
   return line == 0 || file().empty() ? file() : file() + ":" + std::to_string(line);
 }
 
-std::string TomlTable::own_name(const std::string& key) const {
+std::string Table::own_name(const std::string& key) const {
   if (key.empty()) return m_name;
   return m_name.empty() ? key : m_name + "." + key;
 }
 
-std::string TomlTable::full_name(const std::string& key) const {
+std::string Table::full_name(const std::string& key) const {
   const std::string name = own_name(key);
   // The option of the key, or of the table that holds it.
   const auto& options = m_file_data->options;
@@ -63,28 +61,27 @@ std::string TomlTable::full_name(const std::string& key) const {
   return name;
 }
 
-void TomlTable::fail(const std::string& key, const std::string& found,
-                     const std::string& expected) const {
+void Table::fail(const std::string& key, const std::string& found,
+                 const std::string& expected) const {
   throw InputError({place(key), full_name(key), found, expected});
 }
 
-void TomlTable::fail_missing(const std::string& key, const std::string& expected) const {
+void Table::fail_missing(const std::string& key, const std::string& expected) const {
   finish();
   fail(key, "nothing", expected);
 }
 
-const Value* TomlTable::find(const std::string& key) {
+const Value* Table::find(const std::string& key) {
   m_known.insert(key);
   return m_table->find(key);
 }
 
-double TomlTable::number_of(const Value& value, const std::string& key,
-                            const std::string& expected) {
+double Table::number_of(const Value& value, const std::string& key, const std::string& expected) {
   if (!value.is_number() || !std::isfinite(value.number())) fail(key, shown_text(value), expected);
   return value.number();
 }
 
-void TomlTable::read(const Fields& fields) {
+void Table::read(const Fields& fields) {
   for (const Field& field : fields) m_known.insert(field.name());
   for (const Field& field : fields) {
     std::string key = field.name();
@@ -97,7 +94,7 @@ void TomlTable::read(const Fields& fields) {
   }
 }
 
-std::string TomlTable::present_name(const std::string& key, const std::string& former) {
+std::string Table::present_name(const std::string& key, const std::string& former) {
   m_known.insert(key);
   if (!m_table->contains(former)) return key;
   if (m_table->contains(key)) fail(key, key + " and " + former, "one of both");
@@ -106,7 +103,7 @@ std::string TomlTable::present_name(const std::string& key, const std::string& f
   return former;
 }
 
-void TomlTable::read_field(const Field& field, const std::string& key) {
+void Table::read_field(const Field& field, const std::string& key) {
   const auto checked = [&](double value) {
     if (!field.allows(value)) {
       fail(key, is_integer(value) ? exact_text(value) : number_text(value), field.allowed());
@@ -174,29 +171,29 @@ void TomlTable::read_field(const Field& field, const std::string& key) {
   if (auto* choice = std::get_if<Field::Names>(&target)) choice->set(int(named(*string(key))));
 }
 
-std::optional<std::string> TomlTable::string(const std::string& key) {
+std::optional<std::string> Table::string(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_text()) fail(key, shown_text(*value), "a string");
   return value->text();
 }
 
-std::optional<std::string> TomlTable::path(const std::string& key) {
+std::optional<std::string> Table::path(const std::string& key) {
   const auto text = string(key);
   return text ? std::optional<std::string>(input(key, *text)) : std::nullopt;
 }
 
-bool TomlTable::is_string(const std::string& key) {
+bool Table::is_string(const std::string& key) {
   const Value* value = find(key);
   return value != nullptr && value->is_text();
 }
 
-bool TomlTable::is_list_of_strings(const std::string& key) {
+bool Table::is_list_of_strings(const std::string& key) {
   const Value* value = find(key);
   return value != nullptr && !value->items().empty() && value->front().is_text();
 }
 
-std::string TomlTable::input(const std::string& key, const std::string& path) {
+std::string Table::input(const std::string& key, const std::string& path) {
   namespace fs = std::filesystem;
   const bool is_absolute = fs::path(path).is_absolute();
   std::string found = is_absolute ? path : (fs::path(file()).parent_path() / path).string();
@@ -208,13 +205,13 @@ std::string TomlTable::input(const std::string& key, const std::string& path) {
   return found;
 }
 
-TomlTable TomlTable::named_file(const std::string& key) {
-  TomlTable named = read(require(path(key), key, "the path of a file"));
+Table Table::named_file(const std::string& key) {
+  Table named = read(require(path(key), key, "the path of a file"));
   named.admit_inputs(admits());
   return named;
 }
 
-std::vector<std::string> TomlTable::paths(const std::string& key) {
+std::vector<std::string> Table::paths(const std::string& key) {
   if (!has(key)) return {};
   std::vector<std::string> paths;
   if (is_string(key)) {
@@ -226,27 +223,27 @@ std::vector<std::string> TomlTable::paths(const std::string& key) {
   return paths;
 }
 
-std::optional<bool> TomlTable::boolean(const std::string& key) {
+std::optional<bool> Table::boolean(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_truth()) fail(key, shown_text(*value), "true or false");
   return value->truth();
 }
 
-std::optional<double> TomlTable::number(const std::string& key) {
+std::optional<double> Table::number(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   return number_of(*value, key, "a finite number");
 }
 
-std::optional<long long> TomlTable::integer(const std::string& key) {
+std::optional<long long> Table::integer(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_whole()) fail(key, shown_text(*value), "an integer");
   return value->whole();
 }
 
-std::optional<std::vector<double>> TomlTable::numbers(const std::string& key) {
+std::optional<std::vector<double>> Table::numbers(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_list()) fail(key, shown_text(*value), "a list of numbers");
@@ -257,14 +254,14 @@ std::optional<std::vector<double>> TomlTable::numbers(const std::string& key) {
   return values;
 }
 
-std::optional<Vec3d> TomlTable::vector(const std::string& key) {
+std::optional<Vec3d> Table::vector(const std::string& key) {
   const auto values = numbers(key);
   if (!values) return std::nullopt;
   if (values->size() != 3) fail(key, shown_text((*m_table)[key]), "three numbers");
   return Vec3d((*values)[0], (*values)[1], (*values)[2]);
 }
 
-std::optional<Vec3i> TomlTable::voxel(const std::string& key) {
+std::optional<Vec3i> Table::voxel(const std::string& key) {
   const auto values = vector(key);
   if (!values) return std::nullopt;
   Vec3i voxel;
@@ -277,7 +274,7 @@ std::optional<Vec3i> TomlTable::voxel(const std::string& key) {
   return voxel;
 }
 
-std::optional<std::vector<std::string>> TomlTable::strings(const std::string& key) {
+std::optional<std::vector<std::string>> Table::strings(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_list()) fail(key, shown_text(*value), "a list of strings");
@@ -289,8 +286,9 @@ std::optional<std::vector<std::string>> TomlTable::strings(const std::string& ke
   return values;
 }
 
-std::optional<std::vector<std::vector<double>>> TomlTable::rows(
-    const std::string& key, const std::set<std::size_t>& lengths, const std::string& expected) {
+std::optional<std::vector<std::vector<double>>> Table::rows(const std::string& key,
+                                                            const std::set<std::size_t>& lengths,
+                                                            const std::string& expected) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_list()) fail(key, shown_text(*value), expected);
@@ -305,21 +303,21 @@ std::optional<std::vector<std::vector<double>>> TomlTable::rows(
   return rows;
 }
 
-std::optional<TomlTable> TomlTable::table(const std::string& key) {
+std::optional<Table> Table::table(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
   if (!value->is_table()) fail(key, shown_text(*value), "a table");
   return below(*value, own_name(key));
 }
 
-std::vector<std::string> TomlTable::keys() const {
+std::vector<std::string> Table::keys() const {
   std::vector<std::string> names;
   for (const auto& [key, value] : m_table->entries()) names.push_back(key);
   std::sort(names.begin(), names.end());
   return names;
 }
 
-std::vector<TomlTable> TomlTable::tables(const std::string& key) {
+std::vector<Table> Table::tables(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return {};
   const Value::List& items = value->items();
@@ -327,7 +325,7 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   if (!value->is_list() || !std::all_of(items.begin(), items.end(), is_table)) {
     fail(key, shown_text(*value), "tables, [[" + key + "]] or a list of { … }");
   }
-  std::vector<TomlTable> tables;
+  std::vector<Table> tables;
   for (const Value& item : value->items()) {
     const std::string number = "[" + std::to_string(tables.size() + 1) + "]";
     tables.push_back(below(item, own_name(key) + number));
@@ -335,13 +333,13 @@ std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   return tables;
 }
 
-std::vector<TomlTable> TomlTable::table_or_tables(const std::string& key) {
+std::vector<Table> Table::table_or_tables(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr || !value->is_table()) return tables(key);
   return {below(*value, own_name(key))};
 }
 
-void TomlTable::finish() const {
+void Table::finish() const {
   for (const std::string& name : keys()) {
     if (m_known.count(name) != 0) continue;
     const std::string nearest = nearest_name(name, {m_known.begin(), m_known.end()});

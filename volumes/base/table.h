@@ -20,16 +20,16 @@ namespace supple {
 /// True for a number that an int holds exactly.
 bool is_integer(double value);
 
-class TomlTable {
+class Table {
  public:
   /// The root of a file of TOML. Throws InputError as read_toml().
-  static TomlTable read(const std::string& path);
+  static Table read(const std::string& path);
   /// The root of a text of TOML; `source` names it in errors.
-  static TomlTable parse(const std::string& text, const std::string& source);
+  static Table parse(const std::string& text, const std::string& source);
   /// A table that came by another way. `options`: the option behind the full name of a key, for
   /// errors.
-  explicit TomlTable(Value table, const std::string& source = "",
-                     std::map<std::string, std::string> options = {});
+  explicit Table(Value table, const std::string& source = "",
+                 std::map<std::string, std::string> options = {});
 
   /// Sets those of the fields that are there. A value that is not allowed is an error, and so is a
   /// required field that is missing.
@@ -44,9 +44,9 @@ class TomlTable {
   void admit_inputs(Admits admits) { m_file_data->admits = std::move(admits); }
   const Admits& admits() const { return m_file_data->admits; }
   /// The root of the file that the key names.
-  TomlTable named_file(const std::string& key);
+  Table named_file(const std::string& key);
   /// Adds the warnings of a file that this one names.
-  void take_warnings(const TomlTable& other);
+  void take_warnings(const Table& other);
 
   /// Declares keys, so that an unknown one is reported before a missing one.
   void know(std::initializer_list<const char*> keys) { m_known.insert(keys.begin(), keys.end()); }
@@ -78,13 +78,13 @@ class TomlTable {
   std::optional<std::vector<std::vector<double>>> rows(const std::string& key,
                                                        const std::set<std::size_t>& lengths,
                                                        const std::string& expected);
-  std::optional<TomlTable> table(const std::string& key);
+  std::optional<Table> table(const std::string& key);
   /// The names of all keys, ascending.
   std::vector<std::string> keys() const;
   /// Array of tables; empty when absent.
-  std::vector<TomlTable> tables(const std::string& key);
+  std::vector<Table> tables(const std::string& key);
   /// The same for one table or an array of them.
-  std::vector<TomlTable> table_or_tables(const std::string& key);
+  std::vector<Table> table_or_tables(const std::string& key);
   /// The files that path() and paths() have given so far: by key and text the absolute path.
   using Inputs = std::map<std::pair<std::string, std::string>, std::string>;
   const Inputs& inputs() const { return m_file_data->inputs; }
@@ -112,9 +112,9 @@ class TomlTable {
     Inputs inputs;
     Admits admits;
   };
-  TomlTable(std::shared_ptr<const Value> table, std::shared_ptr<File> file, std::string name);
+  Table(std::shared_ptr<const Value> table, std::shared_ptr<File> file, std::string name);
   const Value* find(const std::string& key);
-  TomlTable below(const Value& table, std::string name) const;
+  Table below(const Value& table, std::string name) const;
   double number_of(const Value& value, const std::string& key, const std::string& expected);
   /// Full name in a file, whatever option stands for it.
   std::string own_name(const std::string& key) const;

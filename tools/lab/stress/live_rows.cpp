@@ -120,8 +120,8 @@ void look_at(const LiveSession& live, const Session& session, EventKind kind, Li
 
 LiveEvent event_of(const std::string& keys, int number) {
   const std::string place = "operation " + std::to_string(number);
-  TomlTable root = TomlTable::parse("[[event]]\n" + keys, place);
-  std::vector<TomlTable> tables = root.tables("event");
+  Table root = Table::parse("[[event]]\n" + keys, place);
+  std::vector<Table> tables = root.tables("event");
   LiveEvent event = read_event(tables.front(), {});
   event.place = event.step.place = place;
   return event;
@@ -145,7 +145,7 @@ void write_journal(const LiveSession& live, const std::string& next, const std::
 }
 
 std::string replayed_hash(const std::string& journal, const std::string& folder, Console& console) {
-  LiveSession again(TomlTable::parse(journal, folder + "/journal.toml"), &console);
+  LiveSession again(Table::parse(journal, folder + "/journal.toml"), &console);
   for (const LiveEvent& event : again.events()) {
     again.carry_out(event, &console);
     again.stop();
@@ -157,7 +157,7 @@ std::string replayed_hash(const std::string& journal, const std::string& folder,
 
 void run_live(const StressInput& input, const std::string& folder, Console& console,
               MeasuredValues& all) {
-  LiveSession live(TomlTable::read(write_input(input, folder, true)), &console);
+  LiveSession live(Table::read(write_input(input, folder, true)), &console);
   const std::string start = hash_of(live.session().state());
   RandomOperations operations(input.dims);
   LiveFaults faults;

@@ -32,7 +32,7 @@ Fields camera_fields(CameraChoice& choice, CameraPosition& given) {
   };
 }
 
-CameraChoice checked(const TomlTable& table, CameraChoice choice, const CameraPosition& given,
+CameraChoice checked(const Table& table, CameraChoice choice, const CameraPosition& given,
                      bool has_view) {
   const bool perspective = choice.projection == Projection::perspective;
   if (perspective && given.height) table.fail("height", "height", "fov for a perspective camera");
@@ -60,7 +60,7 @@ CameraChoice checked(const TomlTable& table, CameraChoice choice, const CameraPo
   return choice;
 }
 
-CameraChoice read_camera(TomlTable table) {
+CameraChoice read_camera(Table table) {
   CameraChoice choice;
   CameraPosition given;
   table.read(camera_fields(choice, given));
@@ -69,7 +69,7 @@ CameraChoice read_camera(TomlTable table) {
 }
 
 /// The camera of a key that names a side or a position, seen as `start` is.
-CameraKey read_camera_key(TomlTable& table, const CameraChoice& start) {
+CameraKey read_camera_key(Table& table, const CameraChoice& start) {
   CameraKey key;
   key.place = table.place();
   table.read(fields(key));
@@ -124,15 +124,15 @@ Fields fields(CameraKey& key) {
   return all;
 }
 
-CameraChoice read_camera_choice(TomlTable& view) {
+CameraChoice read_camera_choice(Table& view) {
   if (view.is_string("camera")) return read_camera(view.named_file("camera"));
   if (const auto camera = view.table("camera")) return read_camera(*camera);
   return {};
 }
 
-std::vector<CameraKey> read_camera_keys(TomlTable& view, const CameraChoice& start) {
+std::vector<CameraKey> read_camera_keys(Table& view, const CameraChoice& start) {
   std::vector<CameraKey> keys;
-  for (TomlTable& table : view.tables("camera_path")) {
+  for (Table& table : view.tables("camera_path")) {
     keys.push_back(read_camera_key(table, start));
     require_later(table, keys);
   }

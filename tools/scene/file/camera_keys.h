@@ -35,9 +35,9 @@ Fields fields(CameraKey& key);
 Field side_field(std::string& side);
 
 /// The key `camera` of a view: a table, or the path of a file with its keys.
-CameraChoice read_camera_choice(TomlTable& view);
-/// The key `camera_path` of a view whose camera is `start`. Throws InputError as TomlTable does.
-std::vector<CameraKey> read_camera_keys(TomlTable& view, const CameraChoice& start);
+CameraChoice read_camera_choice(Table& view);
+/// The key `camera_path` of a view whose camera is `start`. Throws InputError as Table does.
+std::vector<CameraKey> read_camera_keys(Table& view, const CameraChoice& start);
 
 /// The file of a camera that a view's key `camera` names: the keys of that table.
 std::string to_toml(const Camera& camera);

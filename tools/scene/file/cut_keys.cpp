@@ -33,14 +33,14 @@ Fields curve_fields(CutSurface& surface) {
   };
 }
 
-void require_area(const TomlTable& table, const Vec3d& edge1, const Vec3d& edge2) {
+void require_area(const Table& table, const Vec3d& edge1, const Vec3d& edge2) {
   if (edge1.cross(edge2) != Vec3d(0)) return;
   table.fail("edge2", "edges that span no area", "two vectors that differ in direction");
 }
 
 namespace {
 
-CutSurface read_plane(TomlTable& table) {
+CutSurface read_plane(Table& table) {
   CutSurface surface;
   surface.place = table.place();
   table.read(plane_fields(surface));
@@ -50,7 +50,7 @@ CutSurface read_plane(TomlTable& table) {
 }
 
 /// A list of points, or a file of them, which is in millimetres.
-void read_curve_points(TomlTable& table, CutSurface& surface) {
+void read_curve_points(Table& table, CutSurface& surface) {
   CutCurve& curve = *surface.curve;
   const char* expected = "two points [x, y, z] or more, or a .mrk.json, .fcsv or .csv file";
   if (!table.is_string("points")) {
@@ -67,7 +67,7 @@ void read_curve_points(TomlTable& table, CutSurface& surface) {
   if (curve.points.size() < 2) table.fail("points", "one point", expected);
 }
 
-CutSurface read_curve(TomlTable& table) {
+CutSurface read_curve(Table& table) {
   CutSurface surface;
   surface.place = table.place();
   surface.curve.emplace();
@@ -81,7 +81,7 @@ CutSurface read_curve(TomlTable& table) {
 
 }  // namespace
 
-CutSurface read_cut(TomlTable& table, const LabelNames& names) {
+CutSurface read_cut(Table& table, const LabelNames& names) {
   table.know({"plane", "curve", "mesh", "label"});
   auto plane = table.table("plane");
   auto curve = table.table("curve");

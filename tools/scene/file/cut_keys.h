@@ -14,10 +14,10 @@ Fields plane_fields(CutSurface& surface);
 Fields curve_fields(CutSurface& surface);
 
 /// Throws InputError at `edge2` where the edges of a patch are parallel or 0.
-void require_area(const TomlTable& table, const Vec3d& edge1, const Vec3d& edge2);
+void require_area(const Table& table, const Vec3d& edge1, const Vec3d& edge2);
 
 /// An entry of `cut`. Throws InputError: unknown key, wrong type or value, missing key, and as
 /// read_mesh and read_point_file.
-CutSurface read_cut(TomlTable& table, const LabelNames& names);
+CutSurface read_cut(Table& table, const LabelNames& names);
 
 }  // namespace supple::tools

@@ -9,7 +9,7 @@ namespace supple::tools {
 
 namespace {
 
-GivenLoad read_load(TomlTable& table, LoadKind kind, const LabelNames& names) {
+GivenLoad read_load(Table& table, LoadKind kind, const LabelNames& names) {
   GivenLoad load;
   load.kind = kind;
   table.read(load_fields(load));
@@ -21,13 +21,13 @@ GivenLoad read_load(TomlTable& table, LoadKind kind, const LabelNames& names) {
 
 }  // namespace
 
-GivenFem read_fem(TomlTable& table, const LabelNames& names) {
+GivenFem read_fem(Table& table, const LabelNames& names) {
   GivenFem given;
   table.read({accuracy_field(given.step)});
   given.step.params.set_accuracy(given.step.params.accuracy);
   table.read(fields(given.step));
   for (const LoadKind kind : {LoadKind::force, LoadKind::pressure, LoadKind::swelling}) {
-    for (TomlTable& load : table.table_or_tables(std::string(name_of(kind)) + "s")) {
+    for (Table& load : table.table_or_tables(std::string(name_of(kind)) + "s")) {
       given.loads.push_back(read_load(load, kind, names));
     }
   }

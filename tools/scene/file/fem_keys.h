@@ -19,8 +19,8 @@ struct GivenFem {
   std::vector<GivenLoad> loads;
 };
 
-/// Throws InputError as TomlTable, and for loads that name no elements.
-GivenFem read_fem(TomlTable& table, const LabelNames& names);
+/// Throws InputError as Table, and for loads that name no elements.
+GivenFem read_fem(Table& table, const LabelNames& names);
 /// On a grid.
 FemStep fem_step(const GivenFem& given, const Geometry& geometry);
 

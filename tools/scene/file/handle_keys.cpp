@@ -13,21 +13,21 @@ namespace {
 constexpr std::initializer_list<const char*> kOtherKeys = {"grab",  "grab_box", "grab_label",
                                                            "at_mm", "points",   "path"};
 
-std::int32_t label_of(const TomlTable& table, const std::string& key, const std::string& text,
+std::int32_t label_of(const Table& table, const std::string& key, const std::string& text,
                       const LabelNames& names) {
   const auto label = find_label(names, text);
   if (!label) table.fail(key, text, expected_label(names));
   return *label;
 }
 
-std::optional<PointFile> read_points(TomlTable& table, const std::string& key) {
+std::optional<PointFile> read_points(Table& table, const std::string& key) {
   const auto path = table.path(key);
   if (!path) return std::nullopt;
   return read_point_file(*path);
 }
 
 /// A voxel is a box of one.
-void read_corners(TomlTable& table, GivenSelection& given) {
+void read_corners(Table& table, GivenSelection& given) {
   const bool in_voxels = given.frame == PlaceFrame::voxel;
   if (in_voxels) {
     if (const auto voxel = table.voxel("grab")) given.corners = {Vec3d(*voxel), Vec3d(*voxel)};
@@ -50,7 +50,7 @@ void read_corners(TomlTable& table, GivenSelection& given) {
   }
 }
 
-void read_selection(TomlTable& table, const LabelNames& names, GivenSelection& given) {
+void read_selection(Table& table, const LabelNames& names, GivenSelection& given) {
   given.place = table.place("grab");
   table.read(fields(given));
   read_corners(table, given);
@@ -82,7 +82,7 @@ void read_selection(TomlTable& table, const LabelNames& names, GivenSelection& g
   }
 }
 
-void check_turn(const TomlTable& table, const GivenHandle& handle) {
+void check_turn(const Table& table, const GivenHandle& handle) {
   const bool scales = handle.scale || handle.scale_axes;
   if (handle.scale && handle.scale_axes) table.fail("scale", "scale and scale_axes", "one of both");
   if (handle.rotate_deg && !handle.axis) table.fail_missing("axis", "the direction [x, y, z]");
@@ -99,7 +99,7 @@ void check_turn(const TomlTable& table, const GivenHandle& handle) {
   }
 }
 
-GivenPose read_pose(TomlTable& table) {
+GivenPose read_pose(Table& table) {
   GivenPose pose;
   pose.place = table.place();
   table.read(fields(pose));
@@ -114,9 +114,9 @@ GivenPose read_pose(TomlTable& table) {
   return pose;
 }
 
-void read_poses(TomlTable& table, GivenHandle& handle) {
+void read_poses(Table& table, GivenHandle& handle) {
   bool has_axis = handle.axis.has_value(), turns = false;
-  for (TomlTable& pose : table.tables("path")) {
+  for (Table& pose : table.tables("path")) {
     handle.path.push_back(read_pose(pose));
     has_axis = has_axis || handle.path.back().axis;
     turns = turns || handle.path.back().rotate_deg;
@@ -136,7 +136,7 @@ void read_poses(TomlTable& table, GivenHandle& handle) {
 
 }  // namespace
 
-IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<double>& row) {
+IndexBox to_box(Table& table, const std::string& key, const std::vector<double>& row) {
   IndexBox box;
   const std::size_t last = row.size() - 3;
   for (int axis = 0; axis < 3; ++axis) {
@@ -149,7 +149,7 @@ IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<doub
   return box;
 }
 
-std::optional<std::int32_t> read_label(TomlTable& table, const std::string& key,
+std::optional<std::int32_t> read_label(Table& table, const std::string& key,
                                        const LabelNames& names) {
   if (!table.has(key)) return std::nullopt;
   return label_of(table, key,
@@ -157,7 +157,7 @@ std::optional<std::int32_t> read_label(TomlTable& table, const std::string& key,
                   names);
 }
 
-std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
+std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
                                       const LabelNames& names) {
   std::vector<std::string> texts;
   if (table.is_list_of_strings(key)) {
@@ -170,7 +170,7 @@ std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
   return labels;
 }
 
-bool has_handle(TomlTable& table) {
+bool has_handle(Table& table) {
   GivenHandle handle;
   bool found = false;
   for (const char* key : kOtherKeys) found = table.has(key) || found;
@@ -183,7 +183,7 @@ bool has_handle(TomlTable& table) {
   return found;
 }
 
-GivenHandle read_handle(TomlTable& table, const LabelNames& names) {
+GivenHandle read_handle(Table& table, const LabelNames& names) {
   GivenHandle handle;
   table.know(kOtherKeys);
   table.know({"by", "by_mm_lps"});
@@ -211,7 +211,7 @@ GivenHandle read_handle(TomlTable& table, const LabelNames& names) {
   return handle;
 }
 
-GivenSelection read_anchor(TomlTable& table, const LabelNames& names) {
+GivenSelection read_anchor(Table& table, const LabelNames& names) {
   GivenSelection given;
   table.know(kOtherKeys);
   read_selection(table, names, given);
@@ -222,7 +222,7 @@ GivenSelection read_anchor(TomlTable& table, const LabelNames& names) {
   return given;
 }
 
-GivenPart read_part(TomlTable& table, const LabelNames& names) {
+GivenPart read_part(Table& table, const LabelNames& names) {
   GivenPart given;
   table.know(kOtherKeys);
   given.name = table.string("name").value_or("");

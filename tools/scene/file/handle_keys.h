@@ -12,21 +12,21 @@
 namespace supple::tools {
 
 /// Corners in any order, "[i, j, k]" or "[i0, j0, k0, i1, j1, k1]".
-IndexBox to_box(TomlTable& table, const std::string& key, const std::vector<double>& row);
+IndexBox to_box(Table& table, const std::string& key, const std::vector<double>& row);
 
 /// By number or by name.
-std::optional<std::int32_t> read_label(TomlTable& table, const std::string& key,
+std::optional<std::int32_t> read_label(Table& table, const std::string& key,
                                        const LabelNames& names);
-std::vector<std::int32_t> read_labels(TomlTable& table, const std::string& key,
+std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
                                       const LabelNames& names);
 
 /// Whether the table has a key of a handle: the short form of a step.
-bool has_handle(TomlTable& table);
+bool has_handle(Table& table);
 /// Throws InputError unless it grabs one thing and says how that moves.
-GivenHandle read_handle(TomlTable& table, const LabelNames& names);
+GivenHandle read_handle(Table& table, const LabelNames& names);
 /// The keys of a selection, as of handles.
-GivenSelection read_anchor(TomlTable& table, const LabelNames& names);
+GivenSelection read_anchor(Table& table, const LabelNames& names);
 /// The same with labels, and a name of its own.
-GivenPart read_part(TomlTable& table, const LabelNames& names);
+GivenPart read_part(Table& table, const LabelNames& names);
 
 }  // namespace supple::tools

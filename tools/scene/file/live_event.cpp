@@ -40,13 +40,13 @@ Fields own_fields(LiveEvent& event) {
 }
 
 /// The keys of the table that are not the event's own.
-std::string other_keys(const TomlTable& table, const Fields& own) {
+std::string other_keys(const Table& table, const Fields& own) {
   Json json = Json::parse(json_text(table.value()));
   for (const Field& field : own) json.erase(field.name());
   return json.dump();
 }
 
-void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
   GivenHandle& handle = event.step.handles.emplace_back();
   static_cast<GivenSelection&>(handle) = read_anchor(table, names);
   handle.soft_mm = table.number("soft").value_or(0);
@@ -55,7 +55,7 @@ void read_grab(TomlTable& table, const LabelNames& names, LiveEvent& event) {
   handle.push = event.kind == EventKind::push;
 }
 
-void read_model_event(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
   StepSettings settings;
   const Fields all = fields(settings);
   table.require(table.string("model"), "model", "\"ecm\", \"springs\" or \"fem\"");
@@ -66,7 +66,7 @@ void read_model_event(TomlTable& table, const LabelNames& names, LiveEvent& even
 }
 
 /// The view's part that the event replaces; the rest of a view is read where it is drawn.
-void read_part_of_view(TomlTable& table, EventKind kind) {
+void read_part_of_view(Table& table, EventKind kind) {
   switch (kind) {
     case EventKind::camera:
       table.require(table.table("camera"), "camera", "a table");
@@ -81,7 +81,7 @@ void read_part_of_view(TomlTable& table, EventKind kind) {
   }
 }
 
-void read_keys(TomlTable& table, const LabelNames& names, LiveEvent& event) {
+void read_keys(Table& table, const LabelNames& names, LiveEvent& event) {
   switch (event.kind) {
     case EventKind::grab:
     case EventKind::push:
@@ -105,7 +105,7 @@ void read_keys(TomlTable& table, const LabelNames& names, LiveEvent& event) {
     case EventKind::model:
       return read_model_event(table, names, event);
     case EventKind::material: {
-      TomlTable material = table.require(table.table("material"), "material", "a table");
+      Table material = table.require(table.table("material"), "material", "a table");
       event.step.material = read_material_choice(material, names);
       return;
     }
@@ -172,7 +172,7 @@ Fields fields(LiveEvent& event) {
   };
 }
 
-LiveEvent read_event(TomlTable& table, const LabelNames& names) {
+LiveEvent read_event(Table& table, const LabelNames& names) {
   LiveEvent event;
   event.place = table.place();
   event.step.place = event.place;

@@ -54,8 +54,8 @@ struct LiveEvent {
 Fields fields(LiveEvent& event);
 const char* name_of(EventKind kind);
 
-/// One of [[event]]. Throws InputError as TomlTable does.
-LiveEvent read_event(TomlTable& table, const LabelNames& names);
+/// One of [[event]]. Throws InputError as Table does.
+LiveEvent read_event(Table& table, const LabelNames& names);
 
 /// A JSON value in one line of TOML.
 std::string toml_of_json(const std::string& json);

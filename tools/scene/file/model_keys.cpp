@@ -9,7 +9,7 @@ namespace {
 
 /// The table of a model; `read` of one that is left out gives the defaults.
 template <class Step, class Read>
-std::optional<Step> read_own_keys(TomlTable& table, const std::string& name, bool is_chosen,
+std::optional<Step> read_own_keys(Table& table, const std::string& name, bool is_chosen,
                                   Read&& read) {
   auto own = table.table(name);
   if (!is_chosen) {
@@ -30,11 +30,11 @@ std::optional<Step> read_own_keys(TomlTable& table, const std::string& name, boo
 
 }  // namespace
 
-void read_model(TomlTable& table, const LabelNames& names, StepModel model, SceneStep& step) {
+void read_model(Table& table, const LabelNames& names, StepModel model, SceneStep& step) {
   step.springs =
       read_own_keys<SpringStep>(table, "springs", model == StepModel::springs, read_spring_step);
   step.fem = read_own_keys<GivenFem>(table, "fem", model == StepModel::fem,
-                                     [&](TomlTable& fem) { return read_fem(fem, names); });
+                                     [&](Table& fem) { return read_fem(fem, names); });
 }
 
 }  // namespace supple::tools

@@ -56,7 +56,7 @@ AxisRange range_of(const FunctionKeys& keys, const Geometry& geometry) {
 }
 
 /// The keys that a function has, and what else it reads.
-FunctionKeys read_keys(TomlTable& table, const std::set<std::string>& names,
+FunctionKeys read_keys(Table& table, const std::set<std::string>& names,
                        std::initializer_list<const char*> others = {}) {
   FunctionKeys keys;
   Fields chosen;
@@ -82,7 +82,7 @@ struct BoxKey {
   Vec3d row(std::size_t n) const { return {(*corners)[n], (*corners)[n + 1], (*corners)[n + 2]}; }
 };
 
-BoxKey read_box(TomlTable& table) {
+BoxKey read_box(Table& table) {
   const BoxKey box{table.numbers("box")};
   if (box.corners && box.corners->size() != 6) {
     table.fail("box", std::to_string(box.corners->size()) + " numbers",
@@ -91,33 +91,32 @@ BoxKey read_box(TomlTable& table) {
   return box;
 }
 
-std::array<int, 3> read_counts(TomlTable& table, const std::string& key,
-                               const std::string& expected) {
+std::array<int, 3> read_counts(Table& table, const std::string& key, const std::string& expected) {
   const auto counts = table.voxel(key);
   const Vec3i found = table.require(counts, key, expected);
   return {found.x, found.y, found.z};
 }
 
-Maker read_bend(TomlTable& table) {
+Maker read_bend(Table& table) {
   const FunctionKeys keys = read_keys(table, {"point", "axis", "range", "towards", "angle"});
   const Vec3d towards = table.require(keys.towards, "towards", "a direction in LPS");
   const double angle = table.require(keys.angle, "angle", "an angle in degrees");
   return [=](const Geometry& g) { return make_bend({range_of(keys, g), towards, angle}); };
 }
 
-Maker read_twist(TomlTable& table) {
+Maker read_twist(Table& table) {
   const FunctionKeys keys = read_keys(table, {"point", "axis", "range", "angle"});
   const double angle = table.require(keys.angle, "angle", "an angle in degrees");
   return [=](const Geometry& g) { return make_twist({range_of(keys, g), angle}); };
 }
 
-Maker read_taper(TomlTable& table) {
+Maker read_taper(Table& table) {
   const FunctionKeys keys = read_keys(table, {"point", "axis", "range", "factor"});
   const double factor = table.require(keys.factor, "factor", "a factor");
   return [=](const Geometry& g) { return make_taper({range_of(keys, g), factor}); };
 }
 
-Maker read_cut_open(TomlTable& table) {
+Maker read_cut_open(Table& table) {
   const FunctionKeys keys = read_keys(table, {"point", "normal", "gap", "angle", "hinge", "axis"});
   CutOpenParams params;
   params.normal = table.require(keys.normal, "normal", "a direction in LPS");
@@ -141,7 +140,7 @@ Maker read_cut_open(TomlTable& table) {
   };
 }
 
-Maker read_explode(TomlTable& table) {
+Maker read_explode(Table& table) {
   const FunctionKeys keys = read_keys(table, {"gap"}, {"grid", "box"});
   ExplodeParams params;
   params.grid = read_counts(table, "grid", "the number of pieces along i, j and k");
@@ -156,7 +155,7 @@ Maker read_explode(TomlTable& table) {
 }
 
 /// [i, j, k, dx, dy, dz], displacements in LPS mm.
-std::vector<LatticeParams::Move> read_moves(TomlTable& table) {
+std::vector<LatticeParams::Move> read_moves(Table& table) {
   std::vector<LatticeParams::Move> moves;
   const auto rows = table.rows("move", {6}, "a list of [i, j, k, dx, dy, dz]");
   if (!rows) return moves;
@@ -192,7 +191,7 @@ void add_points(const PointFile& file, const Geometry& geometry, LatticeParams& 
   }
 }
 
-Maker read_lattice(TomlTable& table) {
+Maker read_lattice(Table& table) {
   const FunctionKeys keys = read_keys(table, {"points"}, {"lattice", "box", "move"});
   LatticeParams params;
   params.points = read_counts(table, "lattice", "the number of control points along i, j and k");
@@ -217,7 +216,7 @@ Maker read_lattice(TomlTable& table) {
   };
 }
 
-OffsetFunction read_function(TomlTable& table) {
+OffsetFunction read_function(Table& table) {
   OffsetFunction function;
   function.place = table.place();
   function.name = table.full_name("");
@@ -256,9 +255,9 @@ auto placed(const OffsetFunction& function, const Work& work) {
 
 namespace {
 
-std::vector<OffsetFunction> read_functions(TomlTable& table, const std::string& key) {
+std::vector<OffsetFunction> read_functions(Table& table, const std::string& key) {
   std::vector<OffsetFunction> functions;
-  for (TomlTable& function : table.table_or_tables(key)) {
+  for (Table& function : table.table_or_tables(key)) {
     functions.push_back(read_function(function));
   }
   return functions;
@@ -266,10 +265,10 @@ std::vector<OffsetFunction> read_functions(TomlTable& table, const std::string& 
 
 }  // namespace
 
-std::vector<OffsetFunction> read_path(TomlTable& table) {
+std::vector<OffsetFunction> read_path(Table& table) {
   const std::string key = table.present_name("path", "offset");
   if (table.is_string(key)) {
-    TomlTable file = table.named_file(key);
+    Table file = table.named_file(key);
     std::vector<OffsetFunction> functions =
         read_functions(file, file.present_name("path", "offset"));
     if (functions.empty()) file.fail_missing("path", "a table with a function, or a list of them");
@@ -289,7 +288,7 @@ Field path_file_field(std::string& file) {
 
 std::vector<OffsetFunction> read_path_file(const std::string& file, Progress& progress) {
   if (file.empty()) return {};
-  TomlTable table = TomlTable({{"path", file}}, "", {{"path", "--path"}});
+  Table table = Table({{"path", file}}, "", {{"path", "--path"}});
   std::vector<OffsetFunction> functions = read_path(table);
   for (const std::string& line : table.warnings()) warn(&progress, line);
   return functions;

@@ -32,8 +32,8 @@ struct OffsetFunction {
 };
 
 /// The key `path` of a table: a table of a function, a list of them, or the name of a file that
-/// holds that key; empty when absent. Throws InputError as TomlTable does.
-std::vector<OffsetFunction> read_path(TomlTable& table);
+/// holds that key; empty when absent. Throws InputError as Table does.
+std::vector<OffsetFunction> read_path(Table& table);
 /// The option that names such a file.
 Field path_file_field(std::string& file);
 /// A file that holds the key `path`; none for an empty name.

@@ -17,7 +17,7 @@ namespace supple::tools {
 
 namespace {
 
-RelaxParams read_relax(TomlTable& table) {
+RelaxParams read_relax(Table& table) {
   RelaxParams params;
   table.read(fields(params));
   if (params.bulk_modulus_kpa > 0 && params.poisson) {
@@ -33,12 +33,12 @@ RelaxParams read_relax(TomlTable& table) {
 }
 
 /// What is removed and what is rigid.
-void read_parts(TomlTable& table, const LabelNames& names, SceneStep& step) {
-  for (TomlTable& part : table.table_or_tables("remove")) {
+void read_parts(Table& table, const LabelNames& names, SceneStep& step) {
+  for (Table& part : table.table_or_tables("remove")) {
     step.remove.push_back(read_part(part, names));
     part.finish();
   }
-  for (TomlTable& part : table.table_or_tables("rigid")) {
+  for (Table& part : table.table_or_tables("rigid")) {
     step.rigid.push_back(read_part(part, names));
     part.finish();
   }
@@ -48,7 +48,7 @@ void read_parts(TomlTable& table, const LabelNames& names, SceneStep& step) {
   }
 }
 
-Retraction read_retraction(TomlTable& table) {
+Retraction read_retraction(Table& table) {
   Retraction retraction;
   retraction.place = table.place();
   table.read(fields(retraction));
@@ -59,7 +59,7 @@ Retraction read_retraction(TomlTable& table) {
 
 }  // namespace
 
-MaterialTable read_material_choice(TomlTable& table, const LabelNames& names, std::string* path) {
+MaterialTable read_material_choice(Table& table, const LabelNames& names, std::string* path) {
   const auto file = table.path("table");
   if (!file) return read_material_table(table, names);
   table.finish();
@@ -67,10 +67,10 @@ MaterialTable read_material_choice(TomlTable& table, const LabelNames& names, st
   return read_material(*file, names);
 }
 
-SceneStep read_step(TomlTable& table, const LabelNames& names) {
+SceneStep read_step(Table& table, const LabelNames& names) {
   SceneStep step;
   step.place = table.place();
-  for (TomlTable& handle : table.tables("handles")) {
+  for (Table& handle : table.tables("handles")) {
     step.handles.push_back(read_handle(handle, names));
     handle.finish();
   }
@@ -85,7 +85,7 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   for (const std::string& path : table.paths("fix_points")) {
     step.fix_points.push_back(read_point_file(path));
   }
-  for (TomlTable& anchor : table.table_or_tables("anchors")) {
+  for (Table& anchor : table.table_or_tables("anchors")) {
     step.anchors.push_back(read_anchor(anchor, names));
     anchor.finish();
   }
@@ -112,8 +112,8 @@ SceneStep read_step(TomlTable& table, const LabelNames& names) {
   }
   step.limits = settings.limits;
   read_model(table, names, settings.model, step);
-  for (TomlTable& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
-  for (TomlTable& patch : table.table_or_tables("retract")) {
+  for (Table& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
+  for (Table& patch : table.table_or_tables("retract")) {
     step.retract.push_back(read_retraction(patch));
   }
   if (auto relax = table.table("relax")) {
@@ -194,7 +194,7 @@ void spread_motion(Scene& scene, std::size_t number, const Film& film) {
   }
 }
 
-void read_film(TomlTable& table, Scene& scene) {
+void read_film(Table& table, Scene& scene) {
   Film film;
   table.read(fields(film));
   table.finish();
@@ -328,16 +328,16 @@ Fields fields(StepSettings& settings) {
 }
 
 Scene read_scene(const std::string& path) {
-  return read_scene(TomlTable::read(path));
+  return read_scene(Table::read(path));
 }
 
-Scene read_scene(TomlTable root) {
+Scene read_scene(Table root) {
   Scene scene;
   scene.file = root.file();
 
   root.know({"volume", "labels", "material", "step", "view", "path", "output", "film", "event"});
   scene.has_events = root.has("event");
-  TomlTable volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
+  Table volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "offsets"});
   volume.read(fields(scene.read));
   scene.volume_path = volume.require(volume.path("path"), "path", "the path of a volume");
@@ -353,11 +353,11 @@ Scene read_scene(TomlTable root) {
   if (auto material = root.table("material")) {
     scene.material = read_material_choice(*material, names, &scene.material_path);
   }
-  for (TomlTable& step : root.tables("step")) {
+  for (Table& step : root.tables("step")) {
     scene.steps.push_back(read_step(step, names));
   }
   const int steps = int(scene.steps.size());
-  for (TomlTable& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
+  for (Table& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
   scene.path = read_path(root);
   if (auto output = root.table("output")) scene.output = read_output(*output);
   ask_for_elements(scene);

@@ -90,15 +90,15 @@ struct StepSettings {
 Fields fields(StepSettings& settings);
 
 /// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.
-MaterialTable read_material_choice(TomlTable& table, const LabelNames& names,
+MaterialTable read_material_choice(Table& table, const LabelNames& names,
                                    std::string* path = nullptr);
 
 /// One of [[step]].
-SceneStep read_step(TomlTable& table, const LabelNames& names);
+SceneStep read_step(Table& table, const LabelNames& names);
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
 Scene read_scene(const std::string& path);
 /// The root of a file, or the options of a command as one.
-Scene read_scene(TomlTable root);
+Scene read_scene(Table root);
 
 }  // namespace supple::tools

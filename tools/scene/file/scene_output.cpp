@@ -13,7 +13,7 @@ std::vector<std::string> SceneOutput::all() const {
   return names;
 }
 
-SceneOutput read_output(TomlTable& table) {
+SceneOutput read_output(Table& table) {
   SceneOutput output;
   output.state = table.string("state").value_or("");
   output.offsets = table.strings("offsets").value_or(std::vector<std::string>{});

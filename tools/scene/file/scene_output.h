@@ -27,7 +27,7 @@ struct SceneOutput {
   std::vector<std::string> all() const;
 };
 
-/// Throws InputError as TomlTable.
-SceneOutput read_output(TomlTable& table);
+/// Throws InputError as Table.
+SceneOutput read_output(Table& table);
 
 }  // namespace supple::tools

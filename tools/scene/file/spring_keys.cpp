@@ -19,13 +19,13 @@ Field radius_field(double& radius_mm) {
   return Field("radius", radius_mm, "a number of mm").unit("mm").positive().required();
 }
 
-Shape read_sphere(TomlTable& table) {
+Shape read_sphere(Table& table) {
   SphereShape sphere{};
   table.read({point_field("centre", sphere.centre_mm), radius_field(sphere.radius_mm)});
   return sphere;
 }
 
-Shape read_plane_shape(TomlTable& table) {
+Shape read_plane_shape(Table& table) {
   PlaneShape plane{};
   table.read({point_field("point", plane.point_mm), point_field("normal", plane.normal)});
   if (plane.normal == Vec3d(0)) table.fail("normal", "[0, 0, 0]", "a direction");
@@ -33,14 +33,14 @@ Shape read_plane_shape(TomlTable& table) {
   return plane;
 }
 
-Shape read_capsule(TomlTable& table) {
+Shape read_capsule(Table& table) {
   CapsuleShape capsule{};
   table.read({point_field("from", capsule.a_mm), point_field("to", capsule.b_mm),
               radius_field(capsule.radius_mm)});
   return capsule;
 }
 
-Shape read_box_shape(TomlTable& table) {
+Shape read_box_shape(Table& table) {
   Vec3d centre(0), size(0);
   table.read({point_field("centre", centre),
               Field("size", size, "[x, y, z] in mm").unit("mm").positive().required()});
@@ -50,14 +50,14 @@ Shape read_box_shape(TomlTable& table) {
 
 struct ShapeKind {
   const char* key;
-  Shape (*read)(TomlTable& table);
+  Shape (*read)(Table& table);
 };
 constexpr ShapeKind kKinds[] = {{"sphere", read_sphere},
                                 {"plane", read_plane_shape},
                                 {"capsule", read_capsule},
                                 {"box", read_box_shape}};
 
-Shape read_shape(TomlTable& table) {
+Shape read_shape(Table& table) {
   const char* expected = "one of sphere, plane, capsule, box and mesh";
   std::vector<const char*> given;
   for (const ShapeKind& kind : kKinds) {
@@ -89,7 +89,7 @@ Fields contact_fields(DrivenCollider& driven) {
 }
 
 /// Adds a shape and its table, a mesh by its name without folder.
-void read_contact(TomlTable& table, SpringStep& step) {
+void read_contact(Table& table, SpringStep& step) {
   DrivenCollider driven;
   table.know({"sphere", "plane", "capsule", "box", "mesh"});
   table.read(contact_fields(driven));
@@ -105,7 +105,7 @@ void read_contact(TomlTable& table, SpringStep& step) {
 
 }  // namespace
 
-SpringStep read_spring_step(TomlTable& table) {
+SpringStep read_spring_step(Table& table) {
   SpringStep step;
   table.read(fields(step));
   for (const std::string& key : idle_fields(step)) {
@@ -119,7 +119,7 @@ SpringStep read_spring_step(TomlTable& table) {
         number_text(step.time_s) + " s in steps of " + number_text(step.motion.step_s) + " s",
         "at most " + number_text(SpringStep::kMostSteps) + " steps");
   }
-  for (TomlTable& contact : table.table_or_tables("contact")) read_contact(contact, step);
+  for (Table& contact : table.table_or_tables("contact")) read_contact(contact, step);
   table.finish();
   return step;
 }

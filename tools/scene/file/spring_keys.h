@@ -6,7 +6,7 @@
 
 namespace supple::tools {
 
-/// Throws InputError as TomlTable, and as read_mesh and MeshSurface.
-SpringStep read_spring_step(TomlTable& table);
+/// Throws InputError as Table, and as read_mesh and MeshSurface.
+SpringStep read_spring_step(Table& table);
 
 }  // namespace supple::tools

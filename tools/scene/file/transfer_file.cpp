@@ -27,7 +27,7 @@ constexpr Scalar kScalars[] = {
     {"specular", &TransferFunction::specular, ""},
     {"specular_power", &TransferFunction::specular_power, ""}};
 
-std::vector<OpacityKey> read_opacities(TomlTable& table, const std::string& key) {
+std::vector<OpacityKey> read_opacities(Table& table, const std::string& key) {
   std::vector<OpacityKey> keys;
   const auto rows = table.rows(key, {2}, "a list of [density, opacity] pairs");
   if (!rows) return keys;
@@ -35,7 +35,7 @@ std::vector<OpacityKey> read_opacities(TomlTable& table, const std::string& key)
   return keys;
 }
 
-std::vector<ColourKey> read_colours(TomlTable& table) {
+std::vector<ColourKey> read_colours(Table& table) {
   std::vector<ColourKey> keys;
   const auto rows = table.rows("colour", {4}, "a list of [density, red, green, blue]");
   for (const auto& row : table.require(rows, "colour", "a list of [density, red, green, blue]")) {
@@ -44,14 +44,14 @@ std::vector<ColourKey> read_colours(TomlTable& table) {
   return keys;
 }
 
-Blend read_blend(TomlTable& table) {
+Blend read_blend(Table& table) {
   const std::string name = table.string("blend").value_or("composite");
   if (name == "composite") return Blend::composite;
   if (name == "maximum") return Blend::maximum;
   table.fail("blend", "\"" + name + "\"", "\"composite\" or \"maximum\"");
 }
 
-void check_background(const TomlTable& table, const std::string& background) {
+void check_background(const Table& table, const std::string& background) {
   try {
     parse_background(background);
   } catch (const InputError& error) {
@@ -69,11 +69,11 @@ std::string to_toml(const std::string& key, const std::vector<OpacityKey>& keys)
 }  // namespace
 
 TransferFunction read_transfer_function(const std::string& path) {
-  TomlTable table = TomlTable::read(path);
+  Table table = Table::read(path);
   return read_transfer_function(table);
 }
 
-TransferFunction read_transfer_function(TomlTable& table) {
+TransferFunction read_transfer_function(Table& table) {
   table.know({"name", "blend", "background", "opacity", "colour", "gradient_opacity"});
   TransferFunction function;
   function.name =

@@ -11,7 +11,7 @@ namespace supple::tools {
 /// Throws InputError: missing or bad file, unknown key, values that TransferFunction refuses.
 TransferFunction read_transfer_function(const std::string& path);
 /// The same of a table.
-TransferFunction read_transfer_function(TomlTable& table);
+TransferFunction read_transfer_function(Table& table);
 
 /// Throws UsageError, naming the option, where no preset has the name.
 void require_preset(const std::string& option, const std::string& name);

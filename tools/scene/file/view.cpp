@@ -17,7 +17,7 @@ Fields half_space_fields(HalfSpace& half) {
   };
 }
 
-std::pair<Vec3d, Vec3d> read_corners(TomlTable& table) {
+std::pair<Vec3d, Vec3d> read_corners(Table& table) {
   const auto corners = table.numbers("box");
   if (corners->size() != 6) {
     table.fail("box", std::to_string(corners->size()) + " numbers",
@@ -27,7 +27,7 @@ std::pair<Vec3d, Vec3d> read_corners(TomlTable& table) {
   return {Vec3d(c[0], c[1], c[2]), Vec3d(c[3], c[4], c[5])};
 }
 
-ClipChoice read_clip(TomlTable& table) {
+ClipChoice read_clip(Table& table) {
   ClipChoice choice;
   table.know({"plane", "box"});
   table.read(fields(choice.clip));
@@ -51,7 +51,7 @@ ClipChoice read_clip(TomlTable& table) {
 
 /// Slices have their own place and scale, and nothing but their picture in common with a view in
 /// space.
-void refuse_beside_slice(const TomlTable& table, const Fields& fields) {
+void refuse_beside_slice(const Table& table, const Fields& fields) {
   for (const std::string& key : table.keys()) {
     const bool is_of_slices = key == "slice" || key == "path" || key == "offset" ||
                               std::any_of(fields.begin(), fields.end(), [&](const Field& field) {
@@ -129,7 +129,7 @@ Fields fields(SceneView& view) {
   return all;
 }
 
-SceneView read_view(TomlTable& table, int steps) {
+SceneView read_view(Table& table, int steps) {
   SceneView view;
   view.place = table.place();
   table.know({"transfer", "camera", "clip", "light", "mesh", "slice", "path", "camera_path"});
@@ -143,7 +143,7 @@ SceneView read_view(TomlTable& table, int steps) {
     }
   }
   view.path = read_path(table);
-  for (TomlTable& clip : table.tables("clip")) view.clips.push_back(read_clip(clip));
+  for (Table& clip : table.tables("clip")) view.clips.push_back(read_clip(clip));
   view.lighting.lights = read_lights(table);
   view.meshes = read_meshes(table);
   view.camera = read_camera_choice(table);

@@ -75,8 +75,8 @@ Fields fields(Clip& clip);
 /// Of a [[view]], but for its tables: camera, clip, light, mesh, path, slice.
 Fields fields(SceneView& view);
 
-/// A table [[view]] of a scene with that many steps. Throws InputError as TomlTable does.
-SceneView read_view(TomlTable& table, int steps);
+/// A table [[view]] of a scene with that many steps. Throws InputError as Table does.
+SceneView read_view(Table& table, int steps);
 
 /// The clips of a view of the volume.
 std::vector<Clip> resolve_clips(const std::vector<ClipChoice>& choices, const Geometry& geometry);

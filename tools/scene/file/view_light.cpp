@@ -9,7 +9,7 @@ namespace supple::tools {
 
 namespace {
 
-Light read_light(TomlTable& table) {
+Light read_light(Table& table) {
   Light light;
   light.is_of_camera = false;
   table.read(fields(light));
@@ -18,7 +18,7 @@ Light read_light(TomlTable& table) {
   return light;
 }
 
-MeshChoice read_mesh_choice(TomlTable& table) {
+MeshChoice read_mesh_choice(Table& table) {
   MeshChoice choice;
   choice.place = table.place();
   table.know({"path"});
@@ -71,15 +71,15 @@ Fields fields(MeshChoice& choice) {
   };
 }
 
-std::vector<Light> read_lights(TomlTable& table) {
+std::vector<Light> read_lights(Table& table) {
   std::vector<Light> lights;
-  for (TomlTable& light : table.tables("light")) lights.push_back(read_light(light));
+  for (Table& light : table.tables("light")) lights.push_back(read_light(light));
   return lights;
 }
 
-std::vector<MeshChoice> read_meshes(TomlTable& table) {
+std::vector<MeshChoice> read_meshes(Table& table) {
   std::vector<MeshChoice> meshes;
-  for (TomlTable& mesh : table.tables("mesh")) meshes.push_back(read_mesh_choice(mesh));
+  for (Table& mesh : table.tables("mesh")) meshes.push_back(read_mesh_choice(mesh));
   return meshes;
 }
 

@@ -29,9 +29,9 @@ Fields fields(Light& light);
 /// Those of a table `mesh`, its path apart.
 Fields fields(MeshChoice& choice);
 /// The key light of a view. Throws InputError.
-std::vector<Light> read_lights(TomlTable& table);
+std::vector<Light> read_lights(Table& table);
 /// The key mesh of a view.
-std::vector<MeshChoice> read_meshes(TomlTable& table);
+std::vector<MeshChoice> read_meshes(Table& table);
 
 /// Meshes as they are drawn: those that deform moved by the displacement, null: at rest.
 std::vector<Surface> surfaces_of(const std::vector<MeshChoice>& meshes,

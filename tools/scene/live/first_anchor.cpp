@@ -14,10 +14,10 @@ std::optional<LiveEvent> first_anchor(LiveSession& live) {
         return a.elements->size() < b.elements->size();
       });
   const Vec3i voxel = voxel_of(body.elements, largest->elements->first());
-  TomlTable root =
-      TomlTable::parse("[[event]]\nkind = \"anchor\"\nrigid_at = [" + std::to_string(voxel.x) +
-                           ", " + std::to_string(voxel.y) + ", " + std::to_string(voxel.z) + "]\n",
-                       "the anchor of the largest bone");
+  Table root =
+      Table::parse("[[event]]\nkind = \"anchor\"\nrigid_at = [" + std::to_string(voxel.x) + ", " +
+                       std::to_string(voxel.y) + ", " + std::to_string(voxel.z) + "]\n",
+                   "the anchor of the largest bone");
   return read_event(root.tables("event").front(), live.scene().label_names);
 }
 

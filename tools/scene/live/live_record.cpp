@@ -48,7 +48,7 @@ nlohmann::ordered_json keys_of_event(const LiveEvent& event) {
 }
 
 void make_absolute(nlohmann::ordered_json& value, const std::string& key,
-                   const TomlTable::Inputs& inputs) {
+                   const Table::Inputs& inputs) {
   if (value.is_object()) {
     for (auto& [name, entry] : value.items()) make_absolute(entry, name, inputs);
   } else if (value.is_array()) {
@@ -61,13 +61,13 @@ void make_absolute(nlohmann::ordered_json& value, const std::string& key,
 
 }  // namespace
 
-nlohmann::ordered_json with_absolute_paths(const std::string& json, const TomlTable& read) {
+nlohmann::ordered_json with_absolute_paths(const std::string& json, const Table& read) {
   nlohmann::ordered_json file = nlohmann::ordered_json::parse(json);
   make_absolute(file, "", read.inputs());
   return file;
 }
 
-void LiveSession::read_head(const TomlTable& root) {
+void LiveSession::read_head(const Table& root) {
   m_admits = root.admits();
   m_head = head_of(with_absolute_paths(json_text(root.value()), root), m_scene).dump();
 }

@@ -9,6 +9,6 @@ namespace supple::tools {
 
 /// JSON of a file or a part of it, with absolute paths of the inputs that have been read, so that
 /// it means the same in any folder.
-nlohmann::ordered_json with_absolute_paths(const std::string& json, const TomlTable& read);
+nlohmann::ordered_json with_absolute_paths(const std::string& json, const Table& read);
 
 }  // namespace supple::tools

@@ -40,7 +40,7 @@ bool has_anchors(const State& state) {
 
 }  // namespace
 
-LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(read_scene(root)) {
+LiveSession::LiveSession(const Table& root, Progress* progress) : m_scene(read_scene(root)) {
   for (const std::string& line : m_scene.warnings) warn(progress, line);
   if (!m_scene.warp_path.empty() || !m_scene.path.empty() || m_scene.film) {
     throw InputError({m_scene.file, "", "a warp, path or film", "a body that events move"});
@@ -58,9 +58,9 @@ LiveSession::LiveSession(const TomlTable& root, Progress* progress) : m_scene(re
   m_is_state_anchored = is_state && has_anchors(m_session->state());
 }
 
-void LiveSession::read_events(const TomlTable& whole) {
-  TomlTable root = whole;
-  for (TomlTable& table : root.tables("event")) {
+void LiveSession::read_events(const Table& whole) {
+  Table root = whole;
+  for (Table& table : root.tables("event")) {
     m_events.push_back(read_event(table, m_scene.label_names));
   }
   for (LiveEvent& event : m_events) event.keys = with_absolute_paths(event.keys, root).dump();

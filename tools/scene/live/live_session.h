@@ -22,7 +22,7 @@ class LiveSession {
  public:
   /// Opens what the root of a journal or a scene describes; its events or steps are left to
   /// events(). Throws InputError as read_scene and Session, and where it has both.
-  LiveSession(const TomlTable& root, Progress* progress);
+  LiveSession(const Table& root, Progress* progress);
 
   /// Those of a journal; of a scene its steps, each as one event.
   const std::vector<LiveEvent>& events() const { return m_events; }
@@ -99,9 +99,9 @@ class LiveSession {
   std::string batch_scene() const;
 
  private:
-  void read_head(const TomlTable& root);
-  void read_events(const TomlTable& root);
-  void choose_view(const TomlTable& root, Progress* progress);
+  void read_head(const Table& root);
+  void read_events(const Table& root);
+  void choose_view(const Table& root, Progress* progress);
   void require_own_grab(const LiveEvent& event);
   void act_on(const LiveEvent& event, Progress* progress);
   void drag(const LiveEvent& event, Progress* progress);
@@ -123,8 +123,8 @@ class LiveSession {
   bool make_look_again();
 
   Scene m_scene;
-  TomlTable::Admits m_admits;  // asks before files are read that events name
-  std::string m_head;          // JSON: the file without steps, events and outputs, paths absolute
+  Table::Admits m_admits;  // asks before files are read that events name
+  std::string m_head;      // JSON: the file without steps, events and outputs, paths absolute
   std::vector<LiveEvent> m_events;
   std::vector<std::string> m_carried_out;  // JSON
   EventKind m_last_recorded = EventKind::step;

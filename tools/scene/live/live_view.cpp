@@ -50,7 +50,7 @@ const SceneView* shown_view(const Scene& scene) {
 }
 
 /// Other views are left to `supple run`.
-void LiveSession::choose_view(const TomlTable& root, Progress* progress) {
+void LiveSession::choose_view(const Table& root, Progress* progress) {
   const std::vector<SceneView>& views = m_scene.views;
   const SceneView* shown = shown_view(m_scene);
   if (shown != nullptr) {
@@ -106,9 +106,9 @@ void LiveSession::set_part_of_view(EventKind kind, const std::string& part,
   keys.update(Json::parse(part));
   const std::string text = toml_document(Json({{"view", keys}}).dump());
   // Files of the view lie beside the journal; carry_out() names the event, not a line of this text.
-  TomlTable root = TomlTable::parse(text, place);
+  Table root = Table::parse(text, place);
   root.admit_inputs(m_admits);
-  TomlTable table = *root.table("view");
+  Table table = *root.table("view");
   SceneView view = read_view(table, 0);
   check_view(view);
   view.size = m_view.size;

@@ -17,7 +17,7 @@ std::optional<LiveEvent> first_model(LiveSession& live) {
   bool has_stiffness = material.stiffness.has_value();
   for (const auto& [label, table] : material.labels) has_stiffness |= table.stiffness.has_value();
   if (!has_stiffness) return std::nullopt;
-  TomlTable root = TomlTable::parse(
+  Table root = Table::parse(
       "[[event]]\nkind = \"model\"\nmodel = \"fem\"\nfem = { accuracy = \"picture\", "
       "beyond_limits = \"keep\" }\n",
       "the model of a body with stiffness");

@@ -69,7 +69,7 @@ double quantile(std::vector<double> values, double part) {
   return values[std::size_t(std::max<std::ptrdiff_t>(rank, 0))];
 }
 
-Replay::Replay(const TomlTable& root, const ReplayOptions& options, Progress& listener,
+Replay::Replay(const Table& root, const ReplayOptions& options, Progress& listener,
                Progress& progress)
     : m_options(options),
       m_progress(progress),

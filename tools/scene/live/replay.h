@@ -49,8 +49,7 @@ class Replay final : public LoopWatcher {
  public:
   /// Opens what the root of a journal or scene describes. Throws as LiveSession. `progress`: of
   /// what takes long, which cancels it.
-  Replay(const TomlTable& root, const ReplayOptions& options, Progress& listener,
-         Progress& progress);
+  Replay(const Table& root, const ReplayOptions& options, Progress& listener, Progress& progress);
 
   /// Carries out all events. `compares`: first pixels with what they become.
   void run(bool compares);

@@ -43,7 +43,7 @@ StateParts::Cut cut_of(Json cut) {
   } else if (!cut.contains("plane")) {
     return {cut, std::nullopt};
   }
-  TomlTable root = TomlTable::parse(toml_document(Json{{"cut", {cut}}}.dump()), "state");
+  Table root = Table::parse(toml_document(Json{{"cut", {cut}}}.dump()), "state");
   return {cut, read_cut(root.tables("cut").front(), {})};
 }
 

@@ -59,7 +59,7 @@ UnitCosts read_costs(const std::string& path) {
   UnitCosts costs;
   std::error_code missing;
   if (path.empty() || !std::filesystem::exists(path, missing)) return costs;
-  TomlTable table = TomlTable::read(path);
+  Table table = Table::read(path);
   table.read(fields(costs));
   table.finish();
   return costs;
