@@ -1,5 +1,5 @@
 # Copies the public headers from `source` and `generated` to `target`. Those of plugins, of
-# vectorised kernels (-inl.h), of the thesis' reference algorithms and of JSON stay behind.
+# vectorised kernels (-inl.h) and of the thesis' reference algorithms stay behind.
 # `tools/scene` becomes `scene`.
 file(GLOB_RECURSE headers RELATIVE ${source}
      ${source}/volumes/*.h ${source}/lib/*.h ${source}/raycast/*.h ${source}/tools/scene/*.h)
@@ -15,9 +15,6 @@ foreach(place IN LISTS places)
   list(GET pair 0 from)
   list(GET pair 1 to)
   file(READ "${from}" text)
-  if(text MATCHES "<nlohmann/")
-    continue()
-  endif()
   string(REGEX REPLACE "^tools/" "" to "${to}")
   string(REGEX REPLACE "#include \"(tools/)?((volumes|lib|raycast|scene)/[^\"]+)\""
                        "#include <supple/\\2>" text "${text}")

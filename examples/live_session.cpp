@@ -4,13 +4,18 @@
 
 #include <supple/scene/live/live_session.h>
 #include <supple/scene/live/replay.h>
+#include <supple/volumes/base/json.h>
 #include <supple/volumes/base/table.h>
+
+#include "volumes/base/json.h"
 
 int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: live_session JOURNAL\n"), 2;
   // [session]
   supple::tools::LiveSession live(supple::Table::read(argv[1]), nullptr);
-  live.record_with([](const std::string& keys, bool) { std::printf("%s\n", keys.c_str()); });
+  live.record_with([](const supple::Value& keys, bool) {
+    std::printf("%s\n", supple::json_text(keys).c_str());
+  });
   for (const supple::tools::LiveEvent& event : live.events()) {
     live.carry_out(event);
     while (live.has_more()) live.go_on();  // settles, in slices between which new events may come

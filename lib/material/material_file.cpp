@@ -260,9 +260,14 @@ MaterialTable parse_material(const std::string& text, const std::string& source)
   return read_material_table(table);
 }
 
+MaterialTable preset_material(const std::string& preset) {
+  Table table({{"preset", preset}}, preset);
+  return read_material_table(table);
+}
+
 MaterialTable read_material(const std::string& path, const LabelNames& names) {
   if (find_tissue_preset(path) != nullptr && !std::filesystem::exists(path)) {
-    return parse_material("preset = \"" + path + "\"", path);
+    return preset_material(path);
   }
   Table table = Table::read(path);
   return read_material_table(table, names);

@@ -16,6 +16,8 @@ class Table;
 MaterialTable read_material(const std::string& path, const LabelNames& names = {});
 /// Parses a table from text, e.g. the one that a state carries; `source` names it in errors.
 MaterialTable parse_material(const std::string& text, const std::string& source);
+/// The material of a tissue preset as if a table named it.
+MaterialTable preset_material(const std::string& preset);
 /// Reads the keys of a material out of a table (a file's root or a scene's [material]); a preset
 /// stands for the keys that are not given.
 MaterialTable read_material_table(Table& table, const LabelNames& names = {});

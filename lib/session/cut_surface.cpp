@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include <nlohmann/json.hpp>
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -81,32 +81,26 @@ std::int64_t apply_cuts(Body& body, const BrickValues& labels,
   return cut_links;
 }
 
-std::string settings_json(const CutSurface& surface) {
-  nlohmann::ordered_json json;
-  const auto list = [](const Vec3d& v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+Value settings_value(const CutSurface& surface) {
+  Value value;
   const char* frame = surface.in_voxels ? "voxel" : "lps";
   if (surface.mesh) {
-    json["mesh"] = surface.mesh_file;
+    value["mesh"] = surface.mesh_file;
   } else if (surface.label != 0) {
-    json["label"] = surface.label;
+    value["label"] = surface.label;
   } else if (surface.curve) {
     const CutCurve& curve = *surface.curve;
-    nlohmann::ordered_json points;
-    for (const Vec3d& point : curve.points) points.push_back(list(point));
-    json["curve"] = {{"points", points},
-                     {"direction", list(curve.direction)},
-                     {"depth_mm", curve.depth_mm},
-                     {"above_mm", curve.above_mm},
-                     {"straight", curve.is_straight},
-                     {"frame", frame}};
-    if (!curve.file.empty()) json["curve"]["file"] = curve.file;
+    value["curve"] = {{"points", curve.points},        {"direction", curve.direction},
+                      {"depth_mm", curve.depth_mm},    {"above_mm", curve.above_mm},
+                      {"straight", curve.is_straight}, {"frame", frame}};
+    if (!curve.file.empty()) value["curve"]["file"] = curve.file;
   } else {
-    json["plane"] = {{"corner", list(surface.corner)},
-                     {"edge1", list(surface.edge1)},
-                     {"edge2", list(surface.edge2)},
-                     {"frame", frame}};
+    value["plane"] = {{"corner", surface.corner},
+                      {"edge1", surface.edge1},
+                      {"edge2", surface.edge2},
+                      {"frame", frame}};
   }
-  return json.dump();
+  return value;
 }
 
 }  // namespace supple

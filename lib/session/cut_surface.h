@@ -10,6 +10,7 @@
 #include "lib/body/cut.h"
 #include "lib/body/swept_surface.h"
 #include "volumes/base/progress.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -42,7 +43,7 @@ CutSurface label_cut(std::int32_t label, const std::string& place);
 std::int64_t apply_cuts(Body& body, const BrickValues& labels,
                         const std::vector<CutSurface>& surfaces, Progress* progress);
 
-/// As a journal records it: JSON.
-std::string settings_json(const CutSurface& surface);
+/// As a journal records it.
+Value settings_value(const CutSurface& surface);
 
 }  // namespace supple

@@ -4,17 +4,15 @@
 #include <chrono>
 #include <tuple>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/body/kept_offsets.h"
 #include "lib/session/fem/fem_solid.h"
 #include "lib/session/fem/piece_poses.h"
 #include "lib/session/free_poses.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step_warnings.h"
-#include "volumes/base/json.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -391,26 +389,23 @@ Fields load_fields(FemLoad& load) {
   return fields;
 }
 
-std::string settings_json(const FemStep& step) {
+Value settings_value(const FemStep& step) {
   FemStep copy = step;
-  auto json = nlohmann::ordered_json::parse(json_text(fields_value(fields(copy))));
+  auto value = fields_value(fields(copy));
   // Records of exact steps are as they were before there were others.
-  if (copy.params.accuracy == FemAccuracy::exact) json.erase("accuracy");
-  if (copy.links_beyond == LinksBeyond::project) json.erase("beyond_limits");
+  if (copy.params.accuracy == FemAccuracy::exact) value.erase("accuracy");
+  if (copy.links_beyond == LinksBeyond::project) value.erase("beyond_limits");
   if (copy.motion) {
-    json["motion"] = nlohmann::ordered_json::parse(json_text(fields_value(fields(*copy.motion))));
-    for (const Vec3i& voxel : copy.motion->watch) {
-      json["motion"]["watch"].push_back({voxel.x, voxel.y, voxel.z});
-    }
+    value["motion"] = fields_value(fields(*copy.motion));
+    for (const Vec3i& voxel : copy.motion->watch) value["motion"]["watch"].push_back(voxel);
   }
-  if (copy.modes)
-    json["modes"] = nlohmann::ordered_json::parse(json_text(fields_value(fields(*copy.modes))));
+  if (copy.modes) value["modes"] = fields_value(fields(*copy.modes));
   for (FemLoad& load : copy.loads) {
-    auto entry = nlohmann::ordered_json::parse(chosen_json(load.part));
-    entry.update(nlohmann::ordered_json::parse(json_text(fields_value(load_fields(load)))));
-    json[std::string(name_of(load.kind)) + "s"].push_back(std::move(entry));
+    auto entry = chosen_value(load.part);
+    entry.update(fields_value(load_fields(load)));
+    value[std::string(name_of(load.kind)) + "s"].push_back(std::move(entry));
   }
-  return json.dump();
+  return value;
 }
 
 }  // namespace supple

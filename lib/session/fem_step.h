@@ -18,6 +18,7 @@
 #include "lib/session/selection.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -113,7 +114,7 @@ Field accuracy_field(FemStep& step);
 Fields option_fields(FemStep& step);
 /// Of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
 Fields load_fields(FemLoad& load);
-/// As a journal records it: JSON.
-std::string settings_json(const FemStep& step);
+/// As a journal records it.
+Value settings_value(const FemStep& step);
 
 }  // namespace supple

@@ -5,8 +5,8 @@
 
 #include "lib/session/drag_handles.h"
 #include "volumes/base/error.h"
-#include "volumes/base/json.h"
 #include "volumes/base/text.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -97,9 +97,9 @@ std::vector<Handle> handles_of(const Retraction& retraction, const Body& body,
   return handles;
 }
 
-std::string settings_json(const Retraction& retraction) {
+Value settings_value(const Retraction& retraction) {
   Retraction same = retraction;
-  return json_text(fields_value(fields(same)));
+  return fields_value(fields(same));
 }
 
 }  // namespace supple

@@ -6,6 +6,7 @@
 
 #include "lib/chainmail/ecm.h"
 #include "volumes/base/fields.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -26,7 +27,7 @@ Fields fields(Retraction& retraction);
 std::vector<Handle> handles_of(const Retraction& retraction, const Body& body,
                                const SlotSet& taken);
 
-/// As a journal records it: JSON.
-std::string settings_json(const Retraction& retraction);
+/// As a journal records it.
+Value settings_value(const Retraction& retraction);
 
 }  // namespace supple

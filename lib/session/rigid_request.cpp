@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/session/handle_motion.h"
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/labels.h"
 
@@ -258,53 +257,52 @@ void follow_shifts(Body& body) {
   }
 }
 
-std::string settings_json(const RigidRequest& request) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+Value settings_value(const RigidRequest& request) {
+  Value value = Value::table();
   if (request.density) {
-    json["rigid_density"] = {request.density->first, request.density->second};
+    value["rigid_density"] = {request.density->first, request.density->second};
   }
-  for (const Vec3i& seed : request.seeds) json["rigid_seeds"].push_back({seed.x, seed.y, seed.z});
-  if (request.joint_mm > 0) json["joint"] = request.joint_mm;
+  for (const Vec3i& seed : request.seeds) value["rigid_seeds"].push_back(seed);
+  if (request.joint_mm > 0) value["joint"] = request.joint_mm;
   for (const ChosenPart& part : request.parts) {
-    json["rigid"].push_back(nlohmann::ordered_json::parse(chosen_json(part)));
+    value["rigid"].push_back(chosen_value(part));
   }
-  return json.dump();
+  return value;
 }
 
-std::vector<std::string> texts_of_pieces(const RigidPieces& pieces) {
-  std::vector<std::string> texts;
+std::vector<Value> records_of(const RigidPieces& pieces) {
+  std::vector<Value> records;
   for (const RigidPiece& piece : pieces.list) {
-    nlohmann::json json;
-    json["name"] = piece.name;
     const Turn& turn = piece.pose.turn;
-    json["turn"] = {turn.w, turn.v.x, turn.v.y, turn.v.z};
-    json["shift"] = piece.pose.shift_q;
-    texts.push_back(json.dump());
+    records.push_back({{"name", piece.name},
+                       {"shift", piece.pose.shift_q},
+                       {"turn", {turn.w, turn.v.x, turn.v.y, turn.v.z}}});
   }
-  return texts;
+  return records;
 }
 
-RigidPieces pieces_of(const std::vector<std::string>& texts, const BrickValues& numbers,
+RigidPieces pieces_of(const std::vector<Value>& records, const BrickValues& numbers,
                       const BrickTopology& elements, const std::string& file) {
-  if (texts.empty()) return {};
-  std::vector<std::vector<Slot>> slots(texts.size());
+  if (records.empty()) return {};
+  std::vector<std::vector<Slot>> slots(records.size());
   for_each_element(elements, [&](Slot slot) {
     const std::int32_t number = numbers.at(slot);
     if (number > 0) slots[std::size_t(number - 1)].push_back(slot);
   });
   std::vector<RigidPiece> pieces;
-  for (std::size_t n = 0; n < texts.size(); ++n) {
+  for (std::size_t n = 0; n < records.size(); ++n) {
     RigidPiece piece;
     try {
-      const auto json = nlohmann::json::parse(texts[n]);
-      piece.name = json.at("name").get<std::string>();
-      const auto turn = json.at("turn").get<std::array<double, 4>>();
+      const Value& shift = records[n].at("shift");
+      piece.name = records[n].at("name").text();
+      const std::vector<double> turn = numbers_of(records[n].at("turn"));
+      if (turn.size() != 4 || shift.size() != 3) throw std::out_of_range("no pose");
       piece.pose.turn = {turn[0], {turn[1], turn[2], turn[3]}};
-      piece.pose.shift_q = json.at("shift").get<std::array<std::int64_t, 3>>();
+      for (std::size_t c = 0; c < 3; ++c) piece.pose.shift_q[c] = shift[c].whole();
       const double square = piece.pose.turn.squared_length();
       if (!(std::abs(square - 1) < 1e-9) || slots[n].empty()) throw std::out_of_range("no pose");
     } catch (const std::exception&) {
-      throw InputError({file, "pieces", texts[n].substr(0, 80),
+      throw InputError({file, "pieces", json_text(records[n]).substr(0, 80),
                         "name, turn (a unit quaternion) and shift of a piece with elements"});
     }
     piece.elements = std::make_shared<SlotSet>(std::move(slots[n]));

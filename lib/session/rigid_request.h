@@ -8,6 +8,7 @@
 #include "lib/body/rigid_links.h"
 #include "lib/session/selection.h"
 #include "volumes/base/progress.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -38,12 +39,12 @@ void part_pieces(Body& body, const LinkCuts& cuts, const std::vector<std::int64_
 /// Shifts of poses, as far as the solver has shifted their elements.
 void follow_shifts(Body& body);
 
-/// As a journal records it: JSON.
-std::string settings_json(const RigidRequest& request);
+/// As a journal records it.
+Value settings_value(const RigidRequest& request);
 
-/// Pieces as the texts that a state keeps, and back. Throws InputError naming `file`.
-std::vector<std::string> texts_of_pieces(const RigidPieces& pieces);
-RigidPieces pieces_of(const std::vector<std::string>& texts, const BrickValues& numbers,
+/// Pieces as a state keeps them, and back. Throws InputError naming `file`.
+std::vector<Value> records_of(const RigidPieces& pieces);
+RigidPieces pieces_of(const std::vector<Value>& records, const BrickValues& numbers,
                       const BrickTopology& elements, const std::string& file);
 
 }  // namespace supple

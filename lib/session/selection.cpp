@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/labels.h"
 
@@ -207,54 +206,54 @@ SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body
   return edge;
 }
 
-std::string selection_json(const Selection& selection) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
+Value selection_value(const Selection& selection) {
+  Value value = Value::table();
   if (const auto& box = selection.box) {
-    json["grab_box"] = {box->lo.x, box->lo.y, box->lo.z, box->hi.x, box->hi.y, box->hi.z};
+    value["grab_box"] = *box;
   }
   if (const auto& ball = selection.ball_index) {
-    json["grab_ball"] = {ball->x, ball->y, ball->z};
-    json["radius"] = selection.radius_mm;
+    value["grab_ball"] = *ball;
+    value["radius"] = selection.radius_mm;
   }
-  if (const auto& range = selection.density) json["grab_density"] = {range->first, range->second};
-  if (const auto& voxel = selection.rigid_at) json["rigid_at"] = {voxel->x, voxel->y, voxel->z};
-  if (const auto& voxel = selection.piece_at) json["piece_at"] = {voxel->x, voxel->y, voxel->z};
-  return json.dump();
+  if (const auto& range = selection.density) value["grab_density"] = {range->first, range->second};
+  if (const auto& voxel = selection.rigid_at) value["rigid_at"] = *voxel;
+  if (const auto& voxel = selection.piece_at) value["piece_at"] = *voxel;
+  return value;
 }
 
-Selection selection_from_json(const std::string& text, const std::string& file) {
+Selection selection_of(const Value& value, const std::string& file) {
   Selection selection;
   try {
-    const nlohmann::json json = nlohmann::json::parse(text);
     const auto list = [&](const char* key, std::size_t size) {
-      const auto values = json.at(key).get<std::vector<double>>();
+      const std::vector<double> values = numbers_of(value.at(key));
       if (values.size() != size) throw std::out_of_range("another length");
-      for (const double value : values) {
-        if (!(std::abs(value) <= kMaxCoordinate)) throw std::out_of_range("no place");
+      for (const double one : values) {
+        if (!(std::abs(one) <= kMaxCoordinate)) throw std::out_of_range("no place");
       }
       return values;
     };
     const auto voxel_at = [](const std::vector<double>& v, std::size_t first) {
       return Vec3i(int(v[first]), int(v[first + 1]), int(v[first + 2]));
     };
-    if (json.contains("grab_box")) {
+    if (value.contains("grab_box")) {
       const auto v = list("grab_box", 6);
       selection.box = IndexBox{voxel_at(v, 0), voxel_at(v, 3)};
     }
-    if (json.contains("grab_ball")) {
+    if (value.contains("grab_ball")) {
       const auto v = list("grab_ball", 3);
       selection.ball_index = Vec3d(v[0], v[1], v[2]);
-      selection.radius_mm = json.at("radius").get<double>();
+      selection.radius_mm = value.at("radius").number();
     }
-    if (json.contains("grab_density")) {
+    if (value.contains("grab_density")) {
       const auto v = list("grab_density", 2);
       selection.density = NumberPair(v[0], v[1]);
     }
-    if (json.contains("rigid_at")) selection.rigid_at = voxel_at(list("rigid_at", 3), 0);
-    if (json.contains("piece_at")) selection.piece_at = voxel_at(list("piece_at", 3), 0);
+    if (value.contains("rigid_at")) selection.rigid_at = voxel_at(list("rigid_at", 3), 0);
+    if (value.contains("piece_at")) selection.piece_at = voxel_at(list("piece_at", 3), 0);
     if (selection == Selection()) throw std::out_of_range("nothing selected");
   } catch (const std::exception&) {
-    throw InputError({file, "anchors", text.substr(0, kMaxFoundText), "a selection of elements"});
+    throw InputError(
+        {file, "anchors", json_text(value).substr(0, kMaxFoundText), "a selection of elements"});
   }
   return selection;
 }
@@ -273,12 +272,12 @@ SlotSet elements_of(const ChosenPart& part, const Body& body, const DensityGrid&
   return elements_of(body, region_of(*part.selection, body, density, role), role);
 }
 
-std::string chosen_json(const ChosenPart& part) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  if (part.selection) json = nlohmann::ordered_json::parse(selection_json(*part.selection));
-  if (part.label != 0) json["grab_label"] = part.label;
-  if (!part.name.empty()) json["name"] = part.name;
-  return json.dump();
+Value chosen_value(const ChosenPart& part) {
+  Value value = Value::table();
+  if (part.selection) value = selection_value(*part.selection);
+  if (part.label != 0) value["grab_label"] = part.label;
+  if (!part.name.empty()) value["name"] = part.name;
+  return value;
 }
 
 }  // namespace supple

@@ -7,6 +7,7 @@
 
 #include "lib/body/region.h"
 #include "volumes/base/fields.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -46,8 +47,8 @@ struct ChosenPart {
 /// Throws InputError, named `role`, as region_of(), and for a label that no element has.
 SlotSet elements_of(const ChosenPart& part, const Body& body, const DensityGrid& density,
                     const BrickValues& labels, const std::string& role);
-/// As a journal records it: JSON.
-std::string chosen_json(const ChosenPart& part);
+/// As a journal records it.
+Value chosen_value(const ChosenPart& part);
 
 /// Elements around a box or ball and how much of its motion each takes.
 struct SoftEdge {
@@ -62,8 +63,8 @@ SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body
                    const LinkCuts& cuts, const DensityGrid& density);
 
 /// As a journal records it, and a state its anchors.
-std::string selection_json(const Selection& selection);
+Value selection_value(const Selection& selection);
 /// Throws InputError naming `file`.
-Selection selection_from_json(const std::string& text, const std::string& file);
+Selection selection_of(const Value& value, const std::string& file);
 
 }  // namespace supple

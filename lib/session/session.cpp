@@ -232,7 +232,7 @@ void Session::release_and_fix(const StepRequest& request) {
     add(m_state.anchor_labels, label);
   }
   for (const Selection& selection : request.fix_selections) {
-    add(m_state.anchor_selections, selection_json(selection));
+    add(m_state.anchor_selections, selection_value(selection));
   }
   if (request.release || !request.fix.empty() || !request.fix_labels.empty() ||
       !request.fix_selections.empty()) {
@@ -306,7 +306,7 @@ State Session::state() const {
     state.cuts = m_body.cuts;
   } else {
     state.pieces = *m_body.rigid.number_of;
-    state.piece_texts = texts_of_pieces(m_body.rigid);
+    state.piece_records = records_of(m_body.rigid);
   }
   state.rest = m_body.rest;
   state.velocity_mm_s = m_body.velocity_mm_s;

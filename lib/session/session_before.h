@@ -6,6 +6,7 @@
 
 #include "lib/session/node_change.h"
 #include "lib/session/session.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -26,7 +27,7 @@ struct Session::Before {
   LinkCheck links;
   std::vector<IndexBox> anchors;
   std::vector<std::int32_t> anchor_labels;
-  std::vector<std::string> anchor_selections;
+  std::vector<Value> anchor_selections;
   Holds holds;
   HandleLedger ledger;
   RelaxParams relaxed_by;

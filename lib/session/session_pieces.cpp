@@ -7,6 +7,7 @@
 #include "lib/session/session.h"
 #include "lib/session/session_walk.h"
 #include "volumes/base/text.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -70,7 +71,7 @@ bool holds_density(const BrickTopology& elements, const DensityGrid& density,
 
 /// From here on m_state.cuts are the cuts without the links that pieces hide.
 void Session::take_pieces_of_state(const std::string& path, Progress* progress) {
-  m_body.rigid = pieces_of(m_state.piece_texts, m_state.pieces, m_body.elements, path);
+  m_body.rigid = pieces_of(m_state.piece_records, m_state.pieces, m_body.elements, path);
   if (!m_body.rigid.empty()) m_body.cuts = cuts_with_pieces(m_body, m_state.cuts);
   if (m_body.rigid.empty() && m_material.rigid &&
       holds_density(m_body.elements, m_state.density, *m_material.rigid)) {
@@ -80,7 +81,7 @@ void Session::take_pieces_of_state(const std::string& path, Progress* progress) 
     make_pieces(m_body, m_state.cuts, request, m_state.density, m_state.labels, progress);
   }
   m_state.pieces.clear();
-  m_state.piece_texts.clear();
+  m_state.piece_records.clear();
 }
 
 /// Rigid pieces stay what they are.
@@ -157,8 +158,8 @@ void Session::remove_parts(StepRecord& record, Progress* progress) {
        selection != m_state.anchor_selections.end();) {
     const bool is_lost = [&] {
       try {
-        const Region region = supple::region_of(selection_from_json(*selection, "state"), m_body,
-                                                m_state.density, "fix");
+        const Region region =
+            supple::region_of(selection_of(*selection, "state"), m_body, m_state.density, "fix");
         return moved_to(from, m_state.elements, elements_of(m_body, region, "fix")).empty();
       } catch (const InputError&) {
         return true;
@@ -178,7 +179,7 @@ void Session::remove_parts(StepRecord& record, Progress* progress) {
   if (!m_body.rigid.empty()) m_body.cuts = cuts_with_pieces(m_body, m_state.cuts);
   m_body.links_known_valid = known_valid;
   m_state.pieces.clear();
-  m_state.piece_texts.clear();
+  m_state.piece_records.clear();
   m_links = check_links(m_body);
   find_anchors();
   m_ecm = std::make_unique<VoxelEcmModel>(held());
@@ -189,9 +190,9 @@ void Session::find_anchors() {
   for (const std::int32_t label : m_state.anchor_labels) {
     m_anchors.push_back(region_of_label(label, "fix"));
   }
-  for (const std::string& text : m_state.anchor_selections) {
+  for (const Value& selection : m_state.anchor_selections) {
     m_anchors.push_back(
-        supple::region_of(selection_from_json(text, "state"), m_body, m_state.density, "fix"));
+        supple::region_of(selection_of(selection, "state"), m_body, m_state.density, "fix"));
   }
   fix_whole_pieces();
 }

@@ -4,11 +4,9 @@
 #include <chrono>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
-#include "volumes/base/json.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -125,7 +123,7 @@ std::vector<std::string> idle_fields(const SpringStep& step) {
   return {"time", "step", "integrator", "mass_damping", "contact"};
 }
 
-std::string settings_json(const SpringStep& step) {
+Value settings_value(const SpringStep& step) {
   SpringStep effective = step;
   if (step.is_motion()) effective.motion.step_s = step.time_s / step.motion_steps();
   Fields recorded = fields(effective);
@@ -134,11 +132,9 @@ std::string settings_json(const SpringStep& step) {
     return std::find(idle.begin(), idle.end(), field.name()) != idle.end();
   };
   recorded.erase(std::remove_if(recorded.begin(), recorded.end(), is_idle), recorded.end());
-  auto json = nlohmann::ordered_json::parse(json_text(fields_value(recorded)));
-  for (const std::string& contact : step.contacts) {
-    json["contact"].push_back(nlohmann::ordered_json::parse(contact));
-  }
-  return json.dump();
+  auto value = fields_value(recorded);
+  for (const Value& contact : step.contacts) value["contact"].push_back(contact);
+  return value;
 }
 
 }  // namespace supple

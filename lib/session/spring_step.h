@@ -8,14 +8,15 @@
 #include "lib/model/spring_models.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
 struct SpringStep {
   MotionParams motion;
-  double time_s = 0.1;                // of a motion
-  int most_steps = 500;               // of a minimisation
-  std::vector<std::string> contacts;  // motion.colliders as JSON, for the record
+  double time_s = 0.1;          // of a motion
+  int most_steps = 500;         // of a minimisation
+  std::vector<Value> contacts;  // motion.colliders, for the record
   /// N/m; in place of the material's values.
   std::optional<double> structural_n_m, shear_n_m, bending_n_m;
   double mass_damping_per_s = 0;
@@ -50,6 +51,6 @@ Fields fields(SpringStep& step);
 std::vector<std::string> idle_fields(const SpringStep& step);
 
 /// As a journal records it: JSON, without fields that have no effect.
-std::string settings_json(const SpringStep& step);
+Value settings_value(const SpringStep& step);
 
 }  // namespace supple

@@ -158,7 +158,7 @@ TEST_F(UnitRod, ShiftedInManyDragsThenTurnsAsInASingleOne) {
   EXPECT_EQ(check_links(session.body()).violated, 0);
   for (int n = 0; n < 5; ++n) ASSERT_TRUE(session.undo());
   EXPECT_EQ(session.state().q, before.q);
-  EXPECT_EQ(session.state().piece_texts, before.piece_texts);
+  EXPECT_EQ(session.state().piece_records, before.piece_records);
 }
 
 TEST_F(UnitRod, LetGoOfAfterAShiftStaysWhereItIs) {
@@ -194,7 +194,7 @@ TEST_F(UnitRod, UndoTakesATurnBackBitForBit) {
   EXPECT_GT(angle_deg(session), 1);
   ASSERT_TRUE(session.undo());
   EXPECT_EQ(session.state().q, before.q);
-  EXPECT_EQ(session.state().piece_texts, before.piece_texts);
+  EXPECT_EQ(session.state().piece_records, before.piece_records);
 }
 
 namespace {

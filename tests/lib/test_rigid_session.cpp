@@ -243,7 +243,7 @@ TEST_F(UnitPieces, StepsTakenBackRestorePiecesPosesAndRemovedElements) {
     EXPECT_EQ(state.elements, states[n].elements) << n;
     EXPECT_EQ(state.cuts, states[n].cuts) << n;
     EXPECT_EQ(state.pieces, states[n].pieces) << n;
-    EXPECT_EQ(state.piece_texts, states[n].piece_texts) << n;
+    EXPECT_EQ(state.piece_records, states[n].piece_records) << n;
   }
 }
 

@@ -85,7 +85,7 @@ TEST(PropertySelection, BallsBoxesAndDensitiesAreWhatEveryVoxelSaysOfItself) {
     }
     EXPECT_EQ(std::int64_t(found.size()), expected);
     EXPECT_EQ(error.empty(), expected > 0) << error;
-    EXPECT_EQ(selection_from_json(selection_json(selection), "x"), selection);
+    EXPECT_EQ(selection_of(selection_value(selection), "x"), selection);
   }
 }
 

@@ -151,7 +151,7 @@ inline State random_state(unsigned seed, int max_dim = 28) {
     if (count % 2 == 0) state.anchor_labels.push_back(label);
   }
   if (seed % 2 == 0)
-    state.anchor_selections = {"{\"grab_density\":[300,3100]}", "{\"radius\":2.5}"};
+    state.anchor_selections = {Value{{"grab_density", {300, 3100}}}, Value{{"radius", 2.5}}};
   add_motion(random, state);
   return state;
 }

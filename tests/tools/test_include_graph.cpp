@@ -39,6 +39,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"OpenEXR/", {"raycast/pictures/plugin"}},
     {"hwy/", {"raycast/march", "raycast/sample"}},
     {"toml++/", {"volumes/base"}},
+    {"nlohmann/", {"volumes/base", "volumes/io", "tools/lab"}},
     {"CLI/", {"tools/commands", "tools/console", "tools/examples", "tools/lab", "tools/viewer"}},
     {"openvdb/", {"volumes/grid", "volumes/io/vdb", "volumes/state", "tools/lab/bench"}},
     {"nanovdb/", {"tools/lab/bench"}},

@@ -10,6 +10,8 @@
 
 #include "tests/support/temporary_folder.h"
 #include "tools/viewer/kept_sessions.h"
+#include "volumes/base/json.h"
+#include "volumes/base/toml.h"
 
 using namespace supple;
 using namespace supple::tools;
@@ -44,17 +46,17 @@ TEST(UnitKeptJournal, EventsReachTheDiskWithinASecondAndDoNotWaitForIt) {
   g_syncs = 0;
   KeptJournal kept(folder / "sessions", "a.nrrd", "",
                    [](const std::string& line) { FAIL() << line; });
-  const auto journal = [] { return std::string(kJournal); };
-  kept.add(R"({"kind": "anchor", "grab": [1, 2, 3]})", false, journal);
+  const auto journal = [] { return parse_toml(kJournal, "journal"); };
+  kept.add(parse_json(R"({"kind": "anchor", "grab": [1, 2, 3]})"), false, journal);
   EXPECT_EQ(g_syncs, 1) << "on the disk before it has its name";
   g_slow_ms = 200;
   const auto begun = Clock::now();
   for (int n = 0; n < 100; ++n) {
-    kept.add(R"({"kind": "drag", "to": [0, 0, 1]})", n % 2 == 1, journal);
+    kept.add(parse_json(R"({"kind": "drag", "to": [0, 0, 1]})"), n % 2 == 1, journal);
   }
   EXPECT_LT(Clock::now() - begun, 4s) << "a hundred waits would be 20 s";
   wait_until_syncs(2);
-  kept.add(R"({"kind": "drag", "to": [0, 0, 2]})", false, journal);
+  kept.add(parse_json(R"({"kind": "drag", "to": [0, 0, 2]})"), false, journal);
   wait_until_syncs(3);
   EXPECT_GE(g_syncs, 3) << "what was written since is brought by the next";
   std::this_thread::sleep_for(1200ms);
@@ -67,11 +69,11 @@ TEST(UnitKeptJournal, WhatWasWrittenLastIsOnTheDiskWhenItEnds) {
   g_syncs = 0;
   {
     KeptJournal kept(folder / "sessions", "a.nrrd", "", [](const std::string&) {});
-    const auto journal = [] { return std::string(kJournal); };
-    kept.add(R"({"kind": "anchor", "grab": [1, 2, 3]})", false, journal);
-    kept.add(R"({"kind": "drag", "to": [0, 0, 1]})", false, journal);
+    const auto journal = [] { return parse_toml(kJournal, "journal"); };
+    kept.add(parse_json(R"({"kind": "anchor", "grab": [1, 2, 3]})"), false, journal);
+    kept.add(parse_json(R"({"kind": "drag", "to": [0, 0, 1]})"), false, journal);
     wait_until_syncs(2);
-    kept.add(R"({"kind": "drag", "to": [0, 0, 2]})", false, journal);
+    kept.add(parse_json(R"({"kind": "drag", "to": [0, 0, 2]})"), false, journal);
   }
   EXPECT_EQ(g_syncs, 3);
 }

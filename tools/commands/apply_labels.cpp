@@ -3,10 +3,10 @@
 #include <atomic>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
 #include "tools/commands/moved_places.h"
+#include "volumes/base/json.h"
 #include "volumes/field/dense/grid_positions.h"
 
 namespace supple::tools {
@@ -46,7 +46,7 @@ LabelReport write(const std::string& path, const StoredLabels& labels, const Geo
   return result;
 }
 
-nlohmann::ordered_json number(double label) {
+Value number(double label) {
   if (std::abs(label) < 9e18) return std::int64_t(label);
   return label;
 }
@@ -84,7 +84,7 @@ void warn_of(const LabelReport& report, const std::string& path, Console& consol
   std::int64_t count = 0;
   for (const auto& [label, voxels] : report.before) {
     if (report.after.count(label) != 0) continue;
-    if (++count <= 5) gone += (gone.empty() ? "" : ", ") + number(label).dump();
+    if (++count <= 5) gone += (gone.empty() ? "" : ", ") + json_text(number(label));
   }
   if (count > 5) gone += ", …";
   if (count > 0) console.warn(path + ": " + with_count(count, "label") + " gone: " + gone);
@@ -94,11 +94,11 @@ void warn_of(const LabelReport& report, const std::string& path, Console& consol
   }
 }
 
-nlohmann::ordered_json to_json(const LabelReport& report) {
+Value to_value(const LabelReport& report) {
   const Vec3i& dims = report.grid.dims();
-  nlohmann::ordered_json json = {{"dims", {dims.x, dims.y, dims.z}},
-                                 {"unresolved", report.unresolved},
-                                 {"labels", nlohmann::ordered_json::array()}};
+  Value json = {{"dims", {dims.x, dims.y, dims.z}},
+                {"unresolved", report.unresolved},
+                {"labels", Value::list()}};
   for (const auto& [label, voxels] : report.before) {
     if (json["labels"].size() == kListed) break;
     const auto after = report.after.find(label);

@@ -6,9 +6,8 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "tools/console/console.h"
+#include "volumes/base/value.h"
 #include "volumes/field/points/point_motion.h"
 #include "volumes/io/load/stored_labels.h"
 #include "volumes/state/state_outputs.h"
@@ -38,6 +37,6 @@ LabelReport write_labels(const std::string& path, const StoredLabels& labels,
 void warn_of(const LabelReport& report, const std::string& path, Console& console);
 
 /// The report of `apply` about labels with --json; at most 1000 labels.
-nlohmann::ordered_json to_json(const LabelReport& report);
+Value to_value(const LabelReport& report);
 
 }  // namespace supple::tools

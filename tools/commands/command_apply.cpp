@@ -1,13 +1,12 @@
 // supple apply: points, meshes and label volumes follow a deformation, forward and back.
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/commands/apply_labels.h"
 #include "tools/commands/moved_places.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/run/output_plan.h"
+#include "volumes/base/json.h"
 #include "volumes/io/mesh/mesh_file.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"
@@ -73,11 +72,10 @@ std::unique_ptr<PointMotion> motion_of(const MotionSource& source, bool back) {
   return motion_to_rest(source.deformed.displacement, body, source.deformed.offsets);
 }
 
-void print(const ApplyOptions& options, const nlohmann::ordered_json& report) {
-  nlohmann::ordered_json json = {{"output", options.output},
-                                 {"direction", options.back ? "back" : "forward"}};
+void print(const ApplyOptions& options, const Value& report) {
+  Value json = {{"output", options.output}, {"direction", options.back ? "back" : "forward"}};
   json.update(report);
-  std::printf("%s\n", json.dump(2).c_str());
+  std::printf("%s\n", json_text(json, 2).c_str());
 }
 
 int apply_to_points(const ApplyOptions& options, const GlobalOptions& global, Console& console) {
@@ -89,7 +87,7 @@ int apply_to_points(const ApplyOptions& options, const GlobalOptions& global, Co
   warn_of(
       moved, source.is_warp, [&](std::size_t n) { return file.place(file.rows[n]); }, console);
   write_points_like(options.output, file, moved.positions());
-  if (global.json) print(options, to_json(moved));
+  if (global.json) print(options, to_value(moved));
   return kOk;
 }
 
@@ -106,7 +104,7 @@ int apply_to_mesh(const ApplyOptions& options, const GlobalOptions& global, Cons
   };
   file.write_moved(options.output, moved.positions(), turned);
   if (global.json) {
-    nlohmann::ordered_json json = to_json(moved);
+    Value json = to_value(moved);
     json["normals"] = file.normal_count();
     print(options, json);
   }
@@ -132,7 +130,7 @@ int apply_to_labels(const ApplyOptions& options, const GlobalOptions& global, Co
                           choose_grid(source.state.geometry, options.labels.grid), console);
   }
   warn_of(report, options.output, console);
-  if (global.json) print(options, to_json(report));
+  if (global.json) print(options, to_value(report));
   return kOk;
 }
 

@@ -1,12 +1,11 @@
 // supple compare: how different two pictures are, and whether that is too much.
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "raycast/pictures/compare.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/run/output_plan.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -72,13 +71,13 @@ int run_compare(const CompareOptions& options, const GlobalOptions& global, Cons
 
   const std::vector<std::string> broken = broken_limits(options, comparison);
   if (global.json) {
-    const nlohmann::ordered_json json = {{"rmse", comparison.rmse},
-                                         {"rmse_alpha", comparison.rmse_alpha},
-                                         {"ssim", comparison.ssim},
-                                         {"max_diff", comparison.max_diff},
-                                         {"pixels", comparison.compared_pixels},
-                                         {"within_limits", broken.empty()}};
-    std::printf("%s\n", json.dump(2).c_str());
+    const Value json = {{"rmse", comparison.rmse},
+                        {"rmse_alpha", comparison.rmse_alpha},
+                        {"ssim", comparison.ssim},
+                        {"max_diff", comparison.max_diff},
+                        {"pixels", comparison.compared_pixels},
+                        {"within_limits", broken.empty()}};
+    std::printf("%s\n", json_text(json, 2).c_str());
   } else if (!global.quiet) {
     std::printf("rmse %.4g  alpha %.4g  ssim %.4g  max_diff %.4g\n", comparison.rmse,
                 comparison.rmse_alpha, comparison.ssim, comparison.max_diff);

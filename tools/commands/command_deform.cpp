@@ -2,9 +2,6 @@
 #include <cstdio>
 #include <map>
 
-#include <nlohmann/json.hpp>
-
-#include "lib/material/toml_string.h"
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
 #include "tools/console/dry_run.h"
@@ -16,6 +13,7 @@
 #include "tools/scene/plan/planned_run.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
+#include "volumes/base/json.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"
 
@@ -35,17 +33,17 @@ struct DeformOptions {
 
 /// Every --grab takes the next --by, except those that say how they move: tables with a motion, and
 /// files whose points have displacements.
-std::string handle_tables(const DeformOptions& options) {
-  std::string tables;
+Value handle_tables(const DeformOptions& options) {
+  Value tables = Value::list();
   std::size_t bys = 0;
   for (const std::string& text : options.grabs) {
     const GrabText grab = parse_grab("--grab", text);
-    tables += "{ " + grab.keys;
+    Value& table = tables.push_back(grab.keys);
     if (!grab.moves_itself && bys < options.bys.size()) {
-      tables += ", by = " + toml_numbers("--by", options.bys[bys]);
+      table["by"] = numbers_value("--by", options.bys[bys]);
     }
     bys += !grab.moves_itself;
-    tables += options.push ? ", push = true }, " : " }, ";
+    if (options.push) table["push"] = true;
   }
   if (bys != options.bys.size()) {
     throw UsageError(to_line({"", "--by", std::to_string(options.bys.size()) + " of them",
@@ -56,22 +54,21 @@ std::string handle_tables(const DeformOptions& options) {
   if (options.push && options.grabs.empty()) {
     throw UsageError(to_line({"", "--push", "no --grab", "a handle that pushes"}));
   }
-  return "[" + tables + "]";
+  return tables;
 }
 
 /// QUANTITY=FILE of each.
-std::string element_table(const std::vector<std::string>& texts) {
-  std::string entries;
+Value element_table(const std::vector<std::string>& texts) {
+  Value entries = Value::table();
   for (const std::string& text : texts) {
     const std::size_t sign = text.find('=');
     if (sign == 0 || sign == std::string::npos || sign + 1 == text.size()) {
       throw UsageError(to_line(
           {"", "--elements", "'" + text + "'", "QUANTITY=FILE, such as von_mises=stress.nrrd"}));
     }
-    entries += (entries.empty() ? "" : ", ") + toml_string(text.substr(0, sign)) + " = " +
-               toml_string(text.substr(sign + 1));
+    entries[text.substr(0, sign)] = text.substr(sign + 1);
   }
-  return "{ " + entries + " }";
+  return entries;
 }
 
 /// The options as a scene of one step.
@@ -79,20 +76,18 @@ Scene to_scene(DeformOptions& options) {
   if (options.output.empty()) throw UsageError("--output: found nothing, expected STATE.vdb");
   SceneOptions& given = options.scene;
   set_body(options.body, given);
-  if (options.no_contact) given.set("material", "contact", "false", "--no-contact");
-  const std::string handles = handle_tables(options);
+  if (options.no_contact) given.set("material", "contact", false, "--no-contact");
+  const Value handles = handle_tables(options);
   if (!options.grabs.empty()) given.set("step", "handles", handles, "--grab");
-  std::string retractions;
-  for (const std::string& text : options.retractions) {
-    retractions += toml_table("--retract", text) + ", ";
-  }
-  if (!retractions.empty()) given.set("step", "retract", "[" + retractions + "]", "--retract");
-  if (!options.contacts.empty()) {
-    std::string tables;
-    for (const std::string& text : options.contacts) tables += toml_table("--contact", text) + ", ";
-    given.set("step.springs", "contact", "[" + tables + "]", "--contact");
-  }
-  given.set("output", "state", toml_string(options.output), "--output");
+  const auto set_tables = [&](const char* table, const char* key, const char* option,
+                              const std::vector<std::string>& texts) {
+    Value tables;
+    for (const std::string& text : texts) tables.push_back(table_value(option, text));
+    if (!texts.empty()) given.set(table, key, tables, option);
+  };
+  set_tables("step", "retract", "--retract", options.retractions);
+  set_tables("step.springs", "contact", "--contact", options.contacts);
+  given.set("output", "state", options.output, "--output");
   if (!options.elements.empty()) {
     given.set("output", "elements", element_table(options.elements), "--elements");
   }
@@ -210,15 +205,15 @@ void print_deform(const Session& session, const SceneStep& step,
 
 void print_json(const Session& session, const std::string& output,
                 const InversionCertificate& certificate) {
-  nlohmann::ordered_json json = to_json(session.records().back());
-  json["handles"] = to_json(session.places(session.records().back().drags));
-  if (!session.body().rigid.empty()) json["rigid_pieces"] = to_json(session.body().rigid);
+  Value json = to_value(session.records().back());
+  json["handles"] = to_value(session.places(session.records().back().drags));
+  if (!session.body().rigid.empty()) json["rigid_pieces"] = to_value(session.body().rigid);
   json["elements"] = session.body().elements.active_count();
   json["fold_free_material"] = session.links().fold_free;
   json["folded"] = certificate.folded_cells - certificate.folded_air_cells;
-  json["certificate"] = to_json(certificate);
+  json["certificate"] = to_value(certificate);
   json["state"] = output;
-  std::printf("%s\n", json.dump(2).c_str());
+  std::printf("%s\n", json_text(json, 2).c_str());
 }
 
 int run_deform(DeformOptions& options, const GlobalOptions& global, Console& console) {

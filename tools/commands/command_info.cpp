@@ -2,12 +2,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
 #include "tools/scene/run/reports.h"
+#include "volumes/base/json.h"
 #include "volumes/base/sha256.h"
 #include "volumes/grid/labels.h"
 #include "volumes/io/bytes/value_type.h"
@@ -25,15 +24,14 @@ struct InfoOptions {
   ReadOptions read;
 };
 
-void add_geometry(nlohmann::ordered_json& json, const Geometry& geometry) {
+void add_geometry(Value& json, const Geometry& geometry) {
   const Vec3d& origin = geometry.origin_lps_mm();
   const auto direction = geometry.direction();
   const auto& axes = geometry.axes_mm();
   json["dims"] = {geometry.dims().x, geometry.dims().y, geometry.dims().z};
-  json["spacing_mm"] = vector_json(geometry.spacing_mm());
-  json["origin_lps_mm"] = vector_json(origin);
-  nlohmann::ordered_json rows = nlohmann::ordered_json::array(),
-                         affine = nlohmann::ordered_json::array();
+  json["spacing_mm"] = geometry.spacing_mm();
+  json["origin_lps_mm"] = origin;
+  Value rows = Value::list(), affine = Value::list();
   for (int row = 0; row < 3; ++row) {
     rows.push_back({direction[0][row], direction[1][row], direction[2][row]});
     affine.push_back({axes[0][row], axes[1][row], axes[2][row], origin[row]});
@@ -44,7 +42,7 @@ void add_geometry(nlohmann::ordered_json& json, const Geometry& geometry) {
 }
 
 /// Vectors of a warp: how long they are, beside what a volume says.
-void add_vectors(nlohmann::ordered_json& json, VolumeFile& file, Console& console) {
+void add_vectors(Value& json, VolumeFile& file, Console& console) {
   const VolumeHeader& header = file.header();
   const Vec3i& dims = header.geometry.dims();
   const std::size_t values = std::size_t(dims.x) * dims.y * header.components;
@@ -77,13 +75,13 @@ void add_vectors(nlohmann::ordered_json& json, VolumeFile& file, Console& consol
   json["nan_voxels"] = nan_count;
   json["infinite_voxels"] = infinite_count;
   if (!header.certificate.empty()) {
-    json["certificate"] = nlohmann::ordered_json::parse(header.certificate, nullptr, false);
+    json["certificate"] = json_or_null(header.certificate);
   }
   json["bytes_dense"] = stored_bytes(header);
   json["sha256"] = hash.hex();
 }
 
-void add_scalars(nlohmann::ordered_json& json, VolumeFile& file, Console& console) {
+void add_scalars(Value& json, VolumeFile& file, Console& console) {
   const VolumeHeader& header = file.header();
   const VolumeDigest digest = digest_volume(file, &console);
   json["min"] = digest.statistics.min;
@@ -97,15 +95,14 @@ void add_scalars(nlohmann::ordered_json& json, VolumeFile& file, Console& consol
   json["sha256"] = digest.sha256;
 }
 
-nlohmann::ordered_json describe_volume(const std::string& path, ReadOptions read,
-                                       Console& console) {
+Value describe_volume(const std::string& path, ReadOptions read, Console& console) {
   std::int64_t frames = 1;
   read.frames_found = &frames;
   const auto file = open_scalars_or_vectors(path, read);
   const VolumeHeader& header = file->header();
   warn_of_all(path, header.warnings, &console);
   if (header.components != 3) require_scalars(header);
-  nlohmann::ordered_json json;
+  Value json;
   json["format"] = header.format;
   if (!header.modality.empty()) json["modality"] = header.modality;
   json["type"] = numpy_name(header.type);
@@ -126,7 +123,7 @@ nlohmann::ordered_json describe_volume(const std::string& path, ReadOptions read
   return json;
 }
 
-nlohmann::ordered_json describe_state(const std::string& path, Console& console) {
+Value describe_state(const std::string& path, Console& console) {
   const State state = read_state(path, &console);
   const BrickTopology& kept = state.density.bricks();
   double min = 0, max = 0, sum = 0;
@@ -148,7 +145,7 @@ nlohmann::ordered_json describe_state(const std::string& path, Console& console)
       longest_voxels = std::max(longest_voxels, std::abs(q.at(slot) / kFixedOne));
     }
   }
-  nlohmann::ordered_json json;
+  Value json;
   json["format"] = "supple state";
   json["type"] = state.source_type;
   add_geometry(json, state.geometry);
@@ -167,29 +164,29 @@ nlohmann::ordered_json describe_state(const std::string& path, Console& console)
   const auto labels = label_counts(state.labels);
   for (const auto& [label, elements] : labels) json["labels"][std::to_string(label)] = elements;
   json["largest_offset_voxels"] = longest_voxels;
-  json["configuration"] = nlohmann::ordered_json::parse(state.configuration, nullptr, false);
+  json["configuration"] = json_or_null(state.configuration);
   return json;
 }
 
 /// One "name  value" line per entry; the affine repeats the lines before it.
-void print_info(const nlohmann::ordered_json& json) {
-  for (const auto& [name, value] : json.items()) {
+void print_info(const Value& json) {
+  for (const auto& [name, value] : json.entries()) {
     if (name == "affine_lps") continue;
     std::printf("%-22s %s\n", name.c_str(), people_text(value).c_str());
   }
   if (!json.contains("active_voxels")) return;
   const double voxels =
-      json["dims"][0].get<double>() * json["dims"][1].get<double>() * json["dims"][2].get<double>();
-  std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].get<double>() / voxels);
+      json["dims"][0].number() * json["dims"][1].number() * json["dims"][2].number();
+  std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].number() / voxels);
 }
 
-nlohmann::ordered_json describe(const std::string& path, const ReadOptions& read,
-                                Console& console) {
-  const nlohmann::ordered_json json =
+Value describe(const std::string& path, const ReadOptions& read, Console& console) {
+  const Value json =
       is_state_file(path) ? describe_state(path, console) : describe_volume(path, read, console);
+  const auto voids = [&](const char* key) { return json.contains(key) ? json[key].whole() : 0; };
   VolumeStatistics statistics;
-  statistics.nan_count = json.value("nan_voxels", std::int64_t(0));
-  statistics.infinite_count = json.value("infinite_voxels", std::int64_t(0));
+  statistics.nan_count = voids("nan_voxels");
+  statistics.infinite_count = voids("infinite_voxels");
   const std::string void_values = void_values_text(statistics);
   if (!void_values.empty()) console.warn(path + ": " + void_values + " count as void");
   return json;
@@ -199,7 +196,7 @@ nlohmann::ordered_json describe(const std::string& path, const ReadOptions& read
 /// entry with the line and the exit code that it would have alone. The exit code of all is that of
 /// the first of these.
 int run_on_several(const InfoOptions& options, const GlobalOptions& global, Console& console) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  Value all = Value::list();
   int exit_code = kOk;
   const char* gap = "";
   const auto refuse = [&](const std::string& path, int code, const std::string& line) {
@@ -209,7 +206,7 @@ int run_on_several(const InfoOptions& options, const GlobalOptions& global, Cons
   };
   for (const std::string& path : options.inputs) {
     try {
-      nlohmann::ordered_json json = {{"file", path}};
+      Value json = {{"file", path}};
       json.update(describe(path, options.read, console));
       if (!global.json) {
         std::printf("%s", gap);
@@ -224,16 +221,16 @@ int run_on_several(const InfoOptions& options, const GlobalOptions& global, Cons
       refuse(path, kSystem, error.what());
     }
   }
-  if (global.json) std::printf("%s\n", all.dump(2).c_str());
+  if (global.json) std::printf("%s\n", json_text(all, 2).c_str());
   return exit_code;
 }
 
 int run_info(const InfoOptions& options, const GlobalOptions& global, Console& console) {
   if (options.inputs.size() > 1) return run_on_several(options, global, console);
-  const nlohmann::ordered_json json = describe(options.inputs.front(), options.read, console);
+  const Value json = describe(options.inputs.front(), options.read, console);
   console.stage_seconds();
   if (global.json) {
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
   } else {
     print_info(json);
   }

@@ -1,13 +1,12 @@
 // supple invert: the inverse of any warp file, with a certificate of how well it inverts.
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/result_lines.h"
 #include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/json.h"
 #include "volumes/field/dense/invert_warp.h"
 #include "volumes/io/warp_file.h"
 #include "volumes/state/state_outputs.h"
@@ -84,7 +83,7 @@ int run_invert(const InvertOptions& options, const GlobalOptions& global, Consol
   warn_of(certificate, count_uncovered(inverse, grid), options.input, console);
   const BrickTopology nothing_vacated;
   const auto slices = dense_offsets(inverse, nothing_vacated, grid, options.void_mode);
-  const WarpFacts facts{grid, direction, certificate_json(certificate)};
+  const WarpFacts facts{grid, direction, json_text(to_value(certificate))};
   warn_of_all(options.output, write_warp(options.output, facts, slices, &console, options.write),
               &console);
   if (global.json) {

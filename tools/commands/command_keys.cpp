@@ -3,13 +3,12 @@
 #include <cstdio>
 #include <set>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/file/cut_keys.h"
 #include "tools/scene/file/live_event.h"
 #include "tools/scene/file/scene.h"
+#include "volumes/base/json.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
@@ -132,8 +131,8 @@ void print_text(const KeyTable& table) {
   }
 }
 
-nlohmann::ordered_json json_of(const KeyTable& table) {
-  nlohmann::ordered_json keys = nlohmann::ordered_json::array();
+Value json_of(const KeyTable& table) {
+  Value keys = Value::list();
   for (const Field& field : table.fields) {
     keys.push_back({{"key", field.name()},
                     {"option", option_of(table, field)},
@@ -156,7 +155,7 @@ int run_keys(const KeysOptions& options, const GlobalOptions& global) {
     const auto is_another = [&](const KeyTable& table) { return table.name != options.table; };
     tables.erase(std::remove_if(tables.begin(), tables.end(), is_another), tables.end());
   }
-  nlohmann::ordered_json json;
+  Value json;
   for (const KeyTable& table : tables) {
     if (global.json) {
       json[table.name] = json_of(table);
@@ -166,7 +165,7 @@ int run_keys(const KeysOptions& options, const GlobalOptions& global) {
       print_text(table);
     }
   }
-  if (global.json) std::printf("%s\n", json.dump(2).c_str());
+  if (global.json) std::printf("%s\n", json_text(json, 2).c_str());
   return kOk;
 }
 

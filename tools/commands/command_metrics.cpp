@@ -2,12 +2,11 @@
 // as a summary and as maps.
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
 #include "tools/scene/run/output_plan.h"
+#include "volumes/base/json.h"
 #include "volumes/field/inversion/deformation_metrics.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/open_volume.h"
@@ -37,7 +36,7 @@ Fields fields(MetricsOptions& options) {
   };
 }
 
-nlohmann::ordered_json summary_json(const DeformationSummary& summary) {
+Value summary_json(const DeformationSummary& summary) {
   return {{"elements", summary.elements},
           {"moved", summary.moved},
           {"mean_mm", summary.mean_mm},
@@ -86,19 +85,19 @@ void write_maps(const MetricsOptions& options, const State& state, const Deforma
         [&](std::size_t b, int offset) { return mask_test(maps.folded[b], offset) ? 1.0f : 0.0f; });
 }
 
-void print_metrics(const nlohmann::ordered_json& json) {
-  for (const auto& [name, value] : json.items()) {
+void print_metrics(const Value& json) {
+  for (const auto& [name, value] : json.entries()) {
     if (name == "labels") continue;
     std::printf("%-22s %s\n", name.c_str(), people_text(value).c_str());
   }
   if (!json.contains("labels")) return;
   std::printf("\n%8s %10s %10s %10s %12s %14s %10s\n", "label", "elements", "mean mm", "max mm",
               "min det F", "volume mm3", "change %");
-  for (const auto& [label, row] : json["labels"].items()) {
+  for (const auto& [label, row] : json["labels"].entries()) {
     std::printf("%8s %10lld %10.4g %10.4g %12.4g %14.4g %10.4g\n", label.c_str(),
-                row["elements"].get<long long>(), row["mean_mm"].get<double>(),
-                row["max_mm"].get<double>(), row["min_jacobian"].get<double>(),
-                row["volume_mm3"].get<double>(), row["volume_change_percent"].get<double>());
+                static_cast<long long>(row["elements"].whole()), row["mean_mm"].number(),
+                row["max_mm"].number(), row["min_jacobian"].number(), row["volume_mm3"].number(),
+                row["volume_change_percent"].number());
   }
 }
 
@@ -120,16 +119,16 @@ int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Cons
   const DeformationMaps maps = map_deformation(displacement_of(state), state.elements, state.cuts);
   write_maps(options, state, maps, console);
 
-  nlohmann::ordered_json json = summary_json(summarize(maps, state.geometry));
+  Value json = summary_json(summarize(maps, state.geometry));
   if (!labels.empty()) {
-    json["labels"] = nlohmann::ordered_json::object();
+    json["labels"] = Value::table();
     for (const auto& [label, summary] : summarize_labels(maps, labels, state.geometry)) {
       json["labels"][std::to_string(label)] = summary_json(summary);
     }
   }
   console.stage_seconds();
   if (global.json) {
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
   } else if (!global.quiet) {
     print_metrics(json);
   }

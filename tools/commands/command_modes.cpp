@@ -1,8 +1,6 @@
 // supple modes: the lowest modes of vibration of a body, and states that have their shapes.
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/session/session.h"
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
@@ -12,6 +10,7 @@
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -28,7 +27,7 @@ struct ModesOptions {
 Scene scene_of(ModesOptions& options) {
   SceneOptions& given = options.scene;
   set_body(options.body, given);
-  given.set("step", "model", "\"fem\"", "modes");
+  given.set("step", "model", "fem", "modes");
   given.include("step.fem.modes");
   given.call("step[1]", "modes");
   return read_scene(given.scene());
@@ -82,9 +81,9 @@ int run_modes(ModesOptions& options, const GlobalOptions& global, Console& conso
     session.write_state(files[n], &console);
   }
   if (global.json) {
-    nlohmann::ordered_json json = to_json(record);
+    Value json = to_value(record);
     json["states"] = files;
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
   } else if (!global.quiet) {
     print_modes(*record.equilibrium.modes);
   }

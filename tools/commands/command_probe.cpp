@@ -2,10 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/material/material_file.h"
-#include "lib/material/toml_string.h"
 #include "lib/session/handles.h"
 #include "lib/session/session.h"
 #include "tools/console/command.h"
@@ -13,6 +10,7 @@
 #include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
 #include "tools/scene/run/reports.h"
+#include "volumes/base/json.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/voxel_sets.h"
 #include "volumes/io/load/label_file.h"
@@ -37,9 +35,7 @@ struct ProbedPlace {
 ProbedPlace place_at(const std::string& text, const Geometry& geometry) {
   GivenSelection given;
   const PlaceText place = parse_place("--at", text);
-  Table table =
-      Table::parse("frame = " + toml_string(place.frame) + "\npiece_at = " + place.toml, "--at");
-  table.read(fields(given));
+  Table({{"frame", place.frame}, {"piece_at", place.numbers}}, "--at").read(fields(given));
   ProbedPlace found;
   found.index = index_of(*given.piece_at, given.frame, geometry);
   found.lps_mm = geometry.world_from_index(found.index);
@@ -54,18 +50,18 @@ ProbedPlace place_at(const std::string& text, const Geometry& geometry) {
   return found;
 }
 
-nlohmann::ordered_json describe(const ProbedPlace& place) {
+Value describe(const ProbedPlace& place) {
   const Vec3d& lps = place.lps_mm;
   return {{"voxel", {place.voxel.x, place.voxel.y, place.voxel.z}},
-          {"index", vector_json(place.index)},
-          {"lps_mm", vector_json(lps)},
+          {"index", place.index},
+          {"lps_mm", lps},
           {"ras_mm", {-lps.x, -lps.y, lps.z}}};
 }
 
 /// The limits of the links to the six neighbours, as factors of the voxel size along the link.
-nlohmann::ordered_json links_at(const Body& body, Slot slot) {
+Value links_at(const Body& body, Slot slot) {
   const MaterialClasses classes(body.material);
-  nlohmann::ordered_json links = nlohmann::ordered_json::array();
+  Value links = Value::list();
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool ahead : {false, true}) {
       const std::string name = std::string(ahead ? "+" : "-") + "ijk"[axis];
@@ -86,7 +82,7 @@ nlohmann::ordered_json links_at(const Body& body, Slot slot) {
 }
 
 /// What a body knows of a place, which is one at rest.
-void add_element(nlohmann::ordered_json& json, const ProbedPlace& place, const Session& session,
+void add_element(Value& json, const ProbedPlace& place, const Session& session,
                  const State& state) {
   const Body& body = session.body();
   Slot slot = 0;
@@ -99,11 +95,11 @@ void add_element(nlohmann::ordered_json& json, const ProbedPlace& place, const S
 }
 
 /// Material direction, of the tissue that is here at rest; and where what is here now came from.
-void add_motion(nlohmann::ordered_json& json, const ProbedPlace& place, const Pose& pose) {
+void add_motion(Value& json, const ProbedPlace& place, const Pose& pose) {
   const Geometry& geometry = pose.offsets.geometry;
   const auto add = [&](const char* name, const char* end, const Vec3d& vector) {
-    json[std::string(name) + "_mm"] = vector_json(geometry.world_vector_from_index(vector));
-    json[end] = vector_json(geometry.world_from_index(place.index + vector));
+    json[std::string(name) + "_mm"] = geometry.world_vector_from_index(vector);
+    json[end] = geometry.world_from_index(place.index + vector);
   };
   Vec3d vector;
   if (pose.displacement.u.sample(place.index, vector)) {
@@ -112,26 +108,26 @@ void add_motion(nlohmann::ordered_json& json, const ProbedPlace& place, const Po
   if (pose.offsets.sample(place.index, vector)) add("offset", "came_from_lps_mm", vector);
 }
 
-nlohmann::ordered_json probe_body(const ProbeOptions& options, bool is_state, Console& console) {
+Value probe_body(const ProbeOptions& options, bool is_state, Console& console) {
   SessionOptions given;
   given.labels_path = options.labels;
   given.read = options.read;
   if (!options.material.empty()) {
     given.material =
         is_tissue_preset("--material", options.material)
-            ? parse_material("preset = " + toml_string(options.material), options.material)
+            ? preset_material(options.material)
             : read_material(options.material,
                             options.labels.empty() ? LabelNames() : label_names(options.labels));
   }
   Session session(options.input, given, &console);
   const State state = session.state();
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  Value json = Value::list();
   std::vector<Vec3i> voxels;
   for (const std::string& text : options.at) {
     const ProbedPlace place = place_at(text, session.geometry());
     voxels.push_back(place.voxel);
     json.push_back(describe(place));
-    nlohmann::ordered_json& entry = json.back();
+    Value& entry = json.back();
     if (state.density.bricks().is_active(place.voxel)) {
       entry["density"] = state.density.at(place.voxel);
     }
@@ -144,10 +140,10 @@ nlohmann::ordered_json probe_body(const ProbeOptions& options, bool is_state, Co
   return json;
 }
 
-nlohmann::ordered_json probe_volume(const ProbeOptions& options) {
+Value probe_volume(const ProbeOptions& options) {
   const auto file = open_volume(options.input, options.read);
   const Geometry geometry = file->header().geometry;
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  Value json = Value::list();
   std::vector<Vec3i> voxels;
   for (const std::string& text : options.at) {
     const ProbedPlace place = place_at(text, geometry);
@@ -167,24 +163,24 @@ nlohmann::ordered_json probe_volume(const ProbeOptions& options) {
   return json;
 }
 
-std::string list_text(const nlohmann::ordered_json& list) {
+std::string list_text(const Value& list) {
   std::string text;
-  for (const auto& value : list) {
+  for (const Value& value : list.items()) {
     char number[32];
-    std::snprintf(number, sizeof number, "%.6g", value.get<double>());
+    std::snprintf(number, sizeof number, "%.6g", value.number());
     text += (text.empty() ? "" : ", ") + std::string(number);
   }
   return text;
 }
 
-void print_place(const nlohmann::ordered_json& place) {
+void print_place(const Value& place) {
   const auto print = [&](const char* key, const char* name) {
     if (!place.contains(key)) return;
     const auto& value = place[key];
-    const std::string text = value.is_array()     ? list_text(value)
-                             : value.is_boolean() ? std::string(value.get<bool>() ? "yes" : "no")
-                             : value.is_null()    ? std::string("no number")
-                                                  : list_text({value});
+    const std::string text = value.is_list()    ? list_text(value)
+                             : value.is_truth() ? std::string(value.truth() ? "yes" : "no")
+                             : value.is_null()  ? std::string("no number")
+                                                : list_text(Value::List{value});
     std::printf("%-16s%s\n", name, text.c_str());
   };
   print("voxel", "voxel");
@@ -195,14 +191,14 @@ void print_place(const nlohmann::ordered_json& place) {
   print("element", "element");
   print("label", "label");
   print("class", "class");
-  for (const auto& link : place.value("links", nlohmann::ordered_json::array())) {
-    const std::string to = link["to"];
+  for (const Value& link : place["links"].items()) {
+    const std::string to = link["to"].text();
     if (link.contains("cut")) {
       std::printf("link to %-8scut\n", to.c_str());
       continue;
     }
     std::printf("link to %-8slength %.4g to %.4g, shear %s of the voxel size\n", to.c_str(),
-                link["min_length"].get<double>(), link["max_length"].get<double>(),
+                link["min_length"].number(), link["max_length"].number(),
                 list_text(link["shear"]).c_str());
   }
   print("displacement_mm", "displacement mm");
@@ -214,10 +210,9 @@ void print_place(const nlohmann::ordered_json& place) {
 int run_probe(const ProbeOptions& options, const GlobalOptions& global, Console& console) {
   const bool is_state = is_state_file(options.input);
   const bool needs_body = is_state || !options.material.empty();
-  const nlohmann::ordered_json places =
-      needs_body ? probe_body(options, is_state, console) : probe_volume(options);
+  const Value places = needs_body ? probe_body(options, is_state, console) : probe_volume(options);
   if (global.json) {
-    std::printf("%s\n", nlohmann::ordered_json{{"places", places}}.dump(2).c_str());
+    std::printf("%s\n", json_text({{"places", places}}, 2).c_str());
     return kOk;
   }
   for (std::size_t n = 0; n < places.size(); ++n) {

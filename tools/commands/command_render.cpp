@@ -2,9 +2,6 @@
 // resampled.
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
-#include "lib/material/toml_string.h"
 #include "raycast/scene/framing.h"
 #include "tools/console/command.h"
 #include "tools/console/dry_run.h"
@@ -16,6 +13,7 @@
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
 #include "tools/scene/run/staging.h"
+#include "volumes/base/json.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
@@ -42,33 +40,35 @@ std::pair<std::string, std::string> halves(const std::string& option, const std:
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-std::string clip_tables(const RenderOptions& options) {
-  const std::string more = ", keep = " + toml_string(options.clip_keep) +
-                           ", space = " + toml_string(options.clip_space) + " }, ";
-  std::string text;
+Value clip_tables(const RenderOptions& options) {
+  Value tables = Value::list();
+  const auto add = [&](const char* key, Value shape) {
+    tables.push_back(
+        {{key, std::move(shape)}, {"keep", options.clip_keep}, {"space", options.clip_space}});
+  };
   for (const std::string& plane : options.clip_planes) {
     const auto [point, normal] =
         halves("--clip-plane", plane, "a point and a normal X,Y,Z:NX,NY,NZ");
-    text += "{ plane = { point = " + toml_numbers("--clip-plane", point) +
-            ", normal = " + toml_numbers("--clip-plane", normal) + " }" + more;
+    add("plane", {{"point", numbers_value("--clip-plane", point)},
+                  {"normal", numbers_value("--clip-plane", normal)}});
   }
   for (const std::string& box : options.clip_boxes) {
     const auto [corner, opposite] = halves("--clip-box", box, "two corners I,J,K:I,J,K");
-    toml_numbers("--clip-box", corner);
-    toml_numbers("--clip-box", opposite);
-    text += "{ box = " + toml_numbers("--clip-box", corner + "," + opposite, 6) + more;
+    numbers_value("--clip-box", corner);
+    numbers_value("--clip-box", opposite);
+    add("box", numbers_value("--clip-box", corner + "," + opposite, 6));
   }
-  return "[" + text + "]";
+  return tables;
 }
 
-std::string toml_colour(const std::string& option, const std::string& text) {
+Value colour_value(const std::string& option, const std::string& text) {
   if (!parse_colour(text))
     throw UsageError(to_line({"", option, "'" + text + "'", "a colour #RRGGBB"}));
-  return toml_string(text);
+  return text;
 }
 
 /// "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]".
-std::string light_table(const std::string& text) {
+Value light_table(const std::string& text) {
   std::vector<std::string> parts = split(text, ':');
   const bool is_of_camera = !parts.empty() && parts.front() == "camera";
   if (is_of_camera) parts.erase(parts.begin());
@@ -76,59 +76,59 @@ std::string light_table(const std::string& text) {
     throw UsageError(
         to_line({"", "--light", "'" + text + "'", "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]"}));
   }
-  std::string table = "{ direction = " + toml_numbers("--light", parts[0]);
-  if (is_of_camera) table += ", frame = \"camera\"";
-  if (parts.size() > 1) table += ", intensity = " + toml_number("--light", parts[1]);
-  if (parts.size() > 2) table += ", colour = " + toml_colour("--light", parts[2]);
-  return table + " }";
+  Value table = {{"direction", numbers_value("--light", parts[0])}};
+  if (is_of_camera) table["frame"] = "camera";
+  if (parts.size() > 1) table["intensity"] = number_value("--light", parts[1]);
+  if (parts.size() > 2) table["colour"] = colour_value("--light", parts[2]);
+  return table;
 }
 
 /// "FILE[:#RRGGBB[:OPACITY]]".
-std::string mesh_table(const RenderOptions& options, const std::string& text) {
+Value mesh_table(const RenderOptions& options, const std::string& text) {
   const std::size_t colour = text.rfind(":#");
-  std::string table = "{ path = " + toml_string(text.substr(0, colour));
+  Value table = {{"path", text.substr(0, colour)}};
   if (colour != std::string::npos) {
     const std::vector<std::string> parts = split(text.substr(colour + 1), ':');
     if (parts.size() > 2) {
       throw UsageError(to_line({"", "--mesh", "'" + text + "'", "FILE[:#RRGGBB[:OPACITY]]"}));
     }
-    table += ", colour = " + toml_colour("--mesh", parts[0]);
-    if (parts.size() > 1) table += ", opacity = " + toml_number("--mesh", parts[1]);
+    table["colour"] = colour_value("--mesh", parts[0]);
+    if (parts.size() > 1) table["opacity"] = number_value("--mesh", parts[1]);
   }
-  return table + (options.deform_meshes ? ", deform = true }" : " }");
+  if (options.deform_meshes) table["deform"] = true;
+  return table;
 }
 
-/// Tables of one list, separated.
-template <class Write>
-std::string list_of(const std::vector<std::string>& texts, const Write& write) {
-  std::string list;
-  for (const std::string& text : texts) list += write(text) + ", ";
-  return "[" + list + "]";
+template <class ToTable>
+Value list_of(const std::vector<std::string>& texts, const ToTable& to_table) {
+  Value list = Value::list();
+  for (const std::string& text : texts) list.push_back(to_table(text));
+  return list;
 }
 
 void set_camera(RenderOptions& options) {
   SceneOptions& given = options.scene;
   if (!options.camera.empty()) {
-    given.set("view", "camera", toml_string(options.camera), "--camera");
+    given.set("view", "camera", options.camera, "--camera");
   }
   if (options.orthographic) {
-    given.set("view.camera", "projection", "\"orthographic\"", "--orthographic");
+    given.set("view.camera", "projection", "orthographic", "--orthographic");
   }
 }
 
 /// The options as a scene of one view.
 Scene to_scene(RenderOptions& options) {
   SceneOptions& given = options.scene;
-  given.set("volume", "path", toml_string(options.input), "input");
+  given.set("volume", "path", options.input, "input");
   if (!options.offsets.empty()) {
-    given.set("volume", "offsets", toml_string(options.offsets), "--offsets");
+    given.set("volume", "offsets", options.offsets, "--offsets");
   }
-  given.set("view", "image", toml_string(options.output), "--output");
+  given.set("view", "image", options.output, "--output");
   const std::string& preset = options.preset;
   const bool is_file = preset.size() > 5 && preset.compare(preset.size() - 5, 5, ".toml") == 0;
   if (!preset.empty()) {
     if (!is_file) require_preset("--preset", preset);
-    given.set("view", is_file ? "transfer" : "preset", toml_string(preset), "--preset");
+    given.set("view", is_file ? "transfer" : "preset", preset, "--preset");
   }
   set_camera(options);
   if (!options.clip_planes.empty() || !options.clip_boxes.empty()) {
@@ -199,10 +199,10 @@ int run_render(RenderOptions& options, const GlobalOptions& global, Console& con
   run.run();
   if (global.json) {
     const SceneView& view = scene.views.front();
-    nlohmann::ordered_json json = to_json(run.drawn());
+    Value json = to_value(run.drawn());
     json["image"] = view.image;
     json["files"] = picture_files(view.picture, view.image);
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
   }
   return kOk;
 }

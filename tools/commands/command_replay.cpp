@@ -3,15 +3,15 @@
 #include <cstdio>
 #include <fstream>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/json.h"
 #include "volumes/base/own_process.h"
+#include "volumes/base/toml.h"
 
 namespace supple::tools {
 
@@ -22,7 +22,7 @@ struct ReplayFiles {
   bool compares = false;
 };
 
-nlohmann::ordered_json phase_json(const PhaseTimes& times) {
+Value phase_json(const PhaseTimes& times) {
   return {{"count", times.ms.size()},
           {"median_ms", quantile(times.ms, 0.5)},
           {"p95_ms", quantile(times.ms, 0.95)},
@@ -31,8 +31,8 @@ nlohmann::ordered_json phase_json(const PhaseTimes& times) {
           {"cpu_p95_ms", quantile(times.cpu_ms, 0.95)}};
 }
 
-nlohmann::ordered_json replay_json(const ReplayReport& report) {
-  nlohmann::ordered_json json = {
+Value replay_json(const ReplayReport& report) {
+  Value json = {
       {"events", report.events}, {"merged", report.merged}, {"moved_max", report.moved_max}};
   json["solve"] = phase_json(report.of(LivePhase::solve));
   json["prepare"] = phase_json(report.of(LivePhase::prepare));
@@ -98,15 +98,15 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
   Session& session = replay.live().session();
   const std::string hash = hash_of(session.state());
   if (!files.image.empty()) write_png(files.image, *replay.settled());
-  if (!files.scene.empty()) write_toml(files.scene, replay.live().batch_scene());
-  if (!files.journal.empty()) write_toml(files.journal, replay.live().journal());
+  if (!files.scene.empty()) write_toml(files.scene, toml_document(replay.live().batch_scene()));
+  if (!files.journal.empty()) write_toml(files.journal, toml_document(replay.live().journal()));
   if (!files.state.empty()) session.write_state(files.state, &console);
   if (global.json) {
-    nlohmann::ordered_json json = replay_json(replay.report());
+    Value json = replay_json(replay.report());
     json["peak_rss_mb"] = peak_mb;
     json["state"] = hash;
     json["outputs"] = plan.files();
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
   } else if (!global.quiet) {
     print_replay(replay.report(), hash, peak_mb);
   }

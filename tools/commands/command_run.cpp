@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 #include "tools/console/dry_run.h"
@@ -19,6 +17,7 @@
 #include "tools/scene/run/film_record.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
+#include "volumes/base/json.h"
 #include "volumes/base/own_process.h"
 #include "volumes/state/state.h"
 
@@ -39,7 +38,7 @@ struct RunSceneOptions {
   MethodWanted wanted;
 };
 
-nlohmann::ordered_json choice_json(const MethodChoice& choice, double solve_s) {
+Value choice_json(const MethodChoice& choice, double solve_s) {
   return {{"method", choice.method},
           {"expected_solve_s", choice.solve_s},
           {"expected_error_p95_mm", choice.error_mm},
@@ -61,27 +60,27 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
   const PlanOutcome outcome{peak_rss_mb(), total, processor_seconds() - planning_s};
   if (scene_plan) console.note(outcome_text(*scene_plan, outcome));
   if (global.json) {
-    nlohmann::ordered_json json;
+    Value json;
     if (scene_plan) {
-      json["plan"] = to_json(*scene_plan);
+      json["plan"] = to_value(*scene_plan);
       json["outcome"] = outcome_json(*scene_plan, outcome);
     }
     if (choice) json["chosen"] = choice_json(*choice, solve_s);
-    json["steps"] = nlohmann::ordered_json::array();
+    json["steps"] = Value::list();
     if (run.session() != nullptr) {
       for (const StepRecord& record : run.session()->records()) {
-        json["steps"].push_back(to_json(record));
+        json["steps"].push_back(to_value(record));
       }
       const RigidPieces& pieces = run.session()->body().rigid;
-      if (!pieces.empty()) json["rigid_pieces"] = to_json(pieces);
+      if (!pieces.empty()) json["rigid_pieces"] = to_value(pieces);
     }
-    if (run.certificate() != nullptr) json["certificate"] = to_json(*run.certificate());
+    if (run.certificate() != nullptr) json["certificate"] = to_value(*run.certificate());
     for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
     json["peak_rss_mb"] = std::max(peak_rss_mb(), peak_rss_of_children_mb());
     for (const std::string& name : scene.outputs()) {
       json["outputs"].push_back(path_in(options.folder, name));
     }
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
     return;
   }
   if (global.quiet) return;

@@ -1,7 +1,6 @@
 // supple slice: axial, coronal, sagittal and oblique slices of a volume or a deformed state.
 #include <filesystem>
 
-#include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/plan/memory_need.h"
@@ -28,10 +27,10 @@ int run_slice(SliceOptions& options, const GlobalOptions& global, Console& conso
     throw InputError({options.output, "output", "another extension", "extension .png"});
   }
   SceneOptions& given = options.scene;
-  given.set("volume", "path", toml_string(options.input), "input");
+  given.set("volume", "path", options.input, "input");
   given.include("view.slice");
-  given.set("view", "image", toml_string(options.output), "--output");
-  if (options.undeformed) given.set("view", "deformed", "false", "--undeformed");
+  given.set("view", "image", options.output, "--output");
+  if (options.undeformed) given.set("view", "deformed", false, "--undeformed");
   const Scene scene = read_scene(given.scene());
   console.claim(check_scene(scene, "", global.force).files());
   require_memory_to_run(scene, &console);

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include <fcntl.h>
-#include <nlohmann/json.hpp>
 #include <spawn.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include "tools/console/field_options.h"
 #include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/server.h"
+#include "volumes/base/json.h"
 #include "volumes/base/signals.h"
 
 namespace supple::tools {
@@ -92,8 +92,8 @@ std::vector<std::string> folders_of(const ViewCommand& command) {
 
 void tell_address(const std::string& address, int port, const GlobalOptions& global) {
   if (global.json) {
-    const nlohmann::ordered_json json = {{"address", address}, {"port", port}};
-    std::printf("%s\n", json.dump().c_str());
+    const Value json = {{"address", address}, {"port", port}};
+    std::printf("%s\n", json_text(json).c_str());
   } else {
     std::printf("%s\n", address.c_str());
   }

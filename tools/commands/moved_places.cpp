@@ -1,7 +1,8 @@
 #include "tools/commands/moved_places.h"
 
-#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
+
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -66,12 +67,12 @@ void warn_of(const MovedPlaces& moved, bool is_warp,
        is_warp ? "could not be found and stay where they are" : "could not be found, only guessed");
 }
 
-nlohmann::ordered_json to_json(const MovedPlaces& moved) {
-  nlohmann::ordered_json json = {{"points", moved.points.size()},
-                                 {"outside", moved.outside},
-                                 {"folded", moved.folded},
-                                 {"torn", moved.torn},
-                                 {"unresolved", moved.unresolved}};
+Value to_value(const MovedPlaces& moved) {
+  Value json = {{"points", moved.points.size()},
+                {"outside", moved.outside},
+                {"folded", moved.folded},
+                {"torn", moved.torn},
+                {"unresolved", moved.unresolved}};
   json["folded_points"] = numbers_of(moved, PlaceKind::folded);
   json["torn_points"] = numbers_of(moved, PlaceKind::torn);
   json["unresolved_points"] = numbers_of(moved, PlaceKind::unresolved);

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "tools/console/console.h"
+#include "volumes/base/value.h"
 #include "volumes/field/points/point_motion.h"
 
 namespace supple::tools {
@@ -33,6 +32,6 @@ void warn_of(const MovedPlaces& moved, bool is_warp,
 
 /// The report of `apply` about points with --json; at most `kListed` of each kind are listed
 /// by their numbers from 0.
-nlohmann::ordered_json to_json(const MovedPlaces& moved);
+Value to_value(const MovedPlaces& moved);
 
 }  // namespace supple::tools

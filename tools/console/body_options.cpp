@@ -2,9 +2,9 @@
 
 #include <map>
 
-#include "lib/material/toml_string.h"
 #include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
+#include "volumes/base/value.h"
 #include "volumes/io/point_file.h"
 
 namespace supple::tools {
@@ -12,56 +12,56 @@ namespace supple::tools {
 namespace {
 
 void set_anchors(const BodyOptions& options, SceneOptions& scene) {
-  std::map<std::string, std::string> lists;
+  std::map<std::string, Value> lists;
   for (const std::string& text : options.fixes) {
     if (const auto label = parse_label("--fix", text)) {
-      lists["fix_label"] += toml_string(*label) + ", ";
+      lists["fix_label"].push_back(*label);
       continue;
     }
     if (is_point_file_name(text)) {
-      lists["fix_points"] += toml_string(text) + ", ";
+      lists["fix_points"].push_back(text);
       continue;
     }
     const GrabText grab = parse_grab("--fix", text);
     if (grab.is_plain_box) {
-      lists["fix"] += grab.keys.substr(grab.keys.find('[')) + ", ";
+      lists["fix"].push_back(grab.keys["grab_box"]);
     } else {
-      lists["anchors"] += "{ " + grab.keys + " }, ";
+      lists["anchors"].push_back(grab.keys);
     }
   }
-  for (const auto& [key, list] : lists) scene.set("step", key, "[" + list + "]", "--fix");
+  for (const auto& [key, list] : lists) scene.set("step", key, list, "--fix");
 }
 
 /// What --remove and --rigid choose.
 void set_parts(const BodyOptions& options, SceneOptions& scene) {
-  std::string removed, rigid, seeds;
-  for (const std::string& text : options.removed) {
-    removed += "{ " + parse_grab("--remove", text).keys + " }, ";
-  }
-  for (const std::string& text : options.rigid) {
-    rigid += "{ " + parse_grab("--rigid", text).keys + " }, ";
-  }
-  for (const std::string& text : options.rigid_seeds) {
-    seeds += toml_numbers("--rigid-seed", text) + ", ";
-  }
-  if (!removed.empty()) scene.set("step", "remove", "[" + removed + "]", "--remove");
-  if (!rigid.empty()) scene.set("step", "rigid", "[" + rigid + "]", "--rigid");
-  if (!seeds.empty()) scene.set("step", "rigid_seeds", "[" + seeds + "]", "--rigid-seed");
+  const auto set = [&](const char* key, const char* option, const std::vector<std::string>& texts,
+                       const auto& value_of) {
+    Value list;
+    for (const std::string& text : texts) list.push_back(value_of(option, text));
+    if (!texts.empty()) scene.set("step", key, list, option);
+  };
+  const auto part = [](const char* option, const std::string& text) {
+    return parse_grab(option, text).keys;
+  };
+  const auto voxel = [](const char* option, const std::string& text) {
+    return numbers_value(option, text);
+  };
+  set("remove", "--remove", options.removed, part);
+  set("rigid", "--rigid", options.rigid, part);
+  set("rigid_seeds", "--rigid-seed", options.rigid_seeds, voxel);
 }
 
 /// "MESH", "label:N", or the table as in a scene.
-std::string cut_table(const std::string& text) {
-  if (is_table(text)) return toml_table("--cut", text);
-  if (const auto label = parse_label("--cut", text)) {
-    return "{ label = " + toml_string(*label) + " }";
-  }
-  return "{ mesh = " + toml_string(text) + " }";
+Value cut_table(const std::string& text) {
+  if (is_table(text)) return table_value("--cut", text);
+  if (const auto label = parse_label("--cut", text)) return {{"label", *label}};
+  return {{"mesh", text}};
 }
 
-std::string cut_tables(const std::vector<std::string>& cuts) {
-  std::string tables;
-  for (const std::string& text : cuts) tables += cut_table(text) + ", ";
-  return "[" + tables + "]";
+Value cut_tables(const std::vector<std::string>& cuts) {
+  Value tables = Value::list();
+  for (const std::string& text : cuts) tables.push_back(cut_table(text));
+  return tables;
 }
 
 }  // namespace
@@ -99,14 +99,13 @@ void add_body_options(CLI::App& app, BodyOptions& options) {
 }
 
 void set_body(const BodyOptions& options, SceneOptions& scene) {
-  scene.set("volume", "path", toml_string(options.input), "input");
+  scene.set("volume", "path", options.input, "input");
   if (!options.labels.empty()) {
-    scene.set("labels", "path", toml_string(options.labels), "--labels");
+    scene.set("labels", "path", options.labels, "--labels");
   }
   if (!options.material.empty()) {
     const bool is_preset = is_tissue_preset("--material", options.material);
-    scene.set("material", is_preset ? "preset" : "table", toml_string(options.material),
-              "--material");
+    scene.set("material", is_preset ? "preset" : "table", options.material, "--material");
   }
   set_anchors(options, scene);
   set_parts(options, scene);

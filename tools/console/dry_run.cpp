@@ -2,14 +2,13 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/console/command.h"
 #include "tools/console/result_lines.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/plan_text.h"
 #include "tools/scene/plan/planned_run.h"
 #include "tools/scene/run/reports.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -40,12 +39,11 @@ void print_scene(const Scene& scene, const std::string& folder, const SceneRun& 
 }
 
 /// The scene's volume, steps with the places of handles, and outputs.
-nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder,
-                                  const SceneRun& run) {
-  nlohmann::ordered_json json = {{"volume", scene.volume_path}};
-  json["steps"] = nlohmann::ordered_json::array();
+Value scene_json(const Scene& scene, const std::string& folder, const SceneRun& run) {
+  Value json = {{"volume", scene.volume_path}};
+  json["steps"] = Value::list();
   for (const SceneStep& step : scene.steps) {
-    json["steps"].push_back({{"handles", to_json(run.places(step))},
+    json["steps"].push_back({{"handles", to_value(run.places(step))},
                              {"fix", fixed_count(step)},
                              {"cuts", step.cuts.size()},
                              {"release", step.release},
@@ -53,7 +51,7 @@ nlohmann::ordered_json scene_json(const Scene& scene, const std::string& folder,
                              {"springs", step.springs.has_value()},
                              {"fem", step.fem.has_value()}});
   }
-  json["outputs"] = nlohmann::ordered_json::array();
+  json["outputs"] = Value::list();
   for (const std::string& name : scene.outputs()) json["outputs"].push_back(path_in(folder, name));
   return json;
 }
@@ -67,9 +65,9 @@ int tell_plan(const Scene& scene, const std::string& folder, const GlobalOptions
   run.check_steps();
   const ScenePlan plan = plan_of(scene, run);
   if (global.json) {
-    nlohmann::ordered_json json = scene_json(scene, folder, run);
-    json["plan"] = to_json(plan);
-    std::printf("%s\n", json.dump(2).c_str());
+    Value json = scene_json(scene, folder, run);
+    json["plan"] = to_value(plan);
+    std::printf("%s\n", json_text(json, 2).c_str());
   } else {
     print_scene(scene, folder, run);
     std::printf("\n%s", text_of_plan(plan).c_str());

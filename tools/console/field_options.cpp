@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "lib/material/toml_string.h"
 #include "tools/console/command.h"
 #include "tools/console/parse.h"
 #include "volumes/base/text.h"
 #include "volumes/base/toml.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 namespace {
 
-/// Takes the value of an option as TOML.
-using Sink = std::function<void(const Field&, const std::string& toml)>;
+using Sink = std::function<void(const Field&, Value value)>;
 
 std::string dashed(std::string name) {
   std::replace(name.begin(), name.end(), '_', '-');
@@ -39,45 +38,40 @@ double to_number(const std::string& option, const std::string& text) {
   return value;
 }
 
-std::string number_as_toml(double value) {
-  // A whole number is an integer of TOML, which also stands for a float.
-  return is_integer(value) ? std::to_string((long long)value) : exact_text(value);
-}
-
-/// The text of an option as the TOML of its field. Throws UsageError.
-std::string toml_of(const Field& field, const std::string& option, const std::string& text) {
-  if (field.holds<double>() || field.holds<int>()) return toml_number(option, text);
-  if (field.holds<Vec3d>()) return toml_numbers(option, text);
-  if (field.holds<NumberPair>()) return toml_numbers(option, text, 2);
+/// The text of an option as the value of its field. Throws UsageError.
+Value value_of(const Field& field, const std::string& option, const std::string& text) {
+  if (field.holds<double>() || field.holds<int>()) return number_value(option, text);
+  if (field.holds<Vec3d>()) return numbers_value(option, text);
+  if (field.holds<NumberPair>()) return numbers_value(option, text, 2);
   if (field.holds<PixelSize>()) {
     std::string pair = text;  // 4x3 as well as 4,3
     std::replace(pair.begin(), pair.end(), 'x', ',');
-    return toml_numbers(option, pair, 2);
+    return numbers_value(option, pair, 2);
   }
   const bool is_list = field.holds<std::vector<std::string>>();
-  std::string list;
+  Value list = Value::list();
   for (const std::string& word : is_list ? split(text, ',') : std::vector<std::string>{text}) {
     const std::vector<std::string>& names = field.names();
     const std::string part = field.name_for(word);
     if (!names.empty() && std::find(names.begin(), names.end(), part) == names.end()) {
       throw UsageError(to_line({"", option, "'" + word + "'", field.allowed()}));
     }
-    list += (list.empty() ? "" : ", ") + toml_string(part);
+    list.push_back(part);
   }
-  return is_list ? "[" + list + "]" : list;
+  return is_list ? list : list.front();
 }
 
 CLI::Option* add_option(CLI::App& app, const Field& field, const std::string& option,
                         const Sink& sink) {
   if (bool* const* flag = std::get_if<bool*>(&field.target())) {
-    const std::string value = **flag ? "false" : "true";
+    const bool value = !**flag;
     return app
         .add_flag_function(
             option, [=](std::int64_t) { sink(field, value); }, help_of(field))
         ->disable_flag_override();
   }
   CLI::Option* added = app.add_option_function<std::string>(
-      option, [=](const std::string& text) { sink(field, toml_of(field, option, text)); },
+      option, [=](const std::string& text) { sink(field, value_of(field, option, text)); },
       help_of(field));
   added->option_text(field.placeholder());
   if (field.holds<std::vector<std::string>>()) added->join(',');
@@ -94,7 +88,7 @@ void add_options(CLI::App& app, const Fields& fields, const std::string& prefix,
     if (field.former().empty()) continue;
     const std::string former = "--" + prefix + dashed(field.former());
     app.add_option_function<std::string>(
-           former, [=](const std::string& text) { sink(field, toml_of(field, former, text)); },
+           former, [=](const std::string& text) { sink(field, value_of(field, former, text)); },
            "this option is called " + option_name(field, prefix) + " now")
         ->group("")
         ->excludes(present);
@@ -107,11 +101,6 @@ std::string full_table_name(const std::string& table) {
   const std::string first = table.substr(0, dot);
   const bool is_listed = first == "step" || first == "view";
   return (is_listed ? first + "[1]" : first) + table.substr(dot);
-}
-
-std::string heading(const std::string& table) {
-  const bool is_listed = table == "step" || table == "view";
-  return is_listed ? "[[" + table + "]]\n" : "[" + table + "]\n";
 }
 
 }  // namespace
@@ -128,49 +117,38 @@ bool is_table(const std::string& text) {
   return first != std::string::npos && text[first] == '{';
 }
 
-std::string toml_table(const std::string& option, const std::string& text) {
+Value table_value(const std::string& option, const std::string& text) {
   std::string found = "'" + text + "'";
   try {
-    Table whole = Table::parse("x = " + text, option);
-    if (whole.keys().size() == 1 && whole.table("x")) return text;
+    const Value whole = parse_toml("x = " + text, option);
+    if (whole.size() == 1 && whole["x"].is_table()) return whole["x"];
   } catch (const InputError& error) {
     found = error.problem().field;
   }
   throw UsageError(to_line({"", option, found, "one table { … } as in a scene"}));
 }
 
-std::string toml_number(const std::string& option, const std::string& text) {
-  return number_as_toml(to_number(option, text));
+Value number_value(const std::string& option, const std::string& text) {
+  // A whole number also stands for one that need not be.
+  const double number = to_number(option, text);
+  return is_integer(number) ? Value((long long)number) : Value(number);
 }
 
-std::string toml_numbers(const std::string& option, const std::string& text, std::size_t count) {
+Value numbers_value(const std::string& option, const std::string& text, std::size_t count) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != count) {
     throw UsageError(to_line(
         {"", option, "'" + text + "'", std::to_string(count) + " numbers, comma-separated"}));
   }
-  std::string list;
-  for (const std::string& part : parts) {
-    list += (list.empty() ? "[" : ", ") + toml_number(option, part);
-  }
-  return list + "]";
+  Value list = Value::list();
+  for (const std::string& part : parts) list.push_back(number_value(option, part));
+  return list;
 }
-
-namespace {
-
-Table table_of_options(const std::string& text, std::map<std::string, std::string> options) {
-  Value root = parse_toml(text, "");
-  for_each_text(root, "",
-                [](const std::string&, std::string& own) { own = bytes_of_toml_string(own); });
-  return Table(std::move(root), "", std::move(options));
-}
-
-}  // namespace
 
 void add_field_options(CLI::App& app, const Fields& fields) {
-  add_options(app, fields, "", [](const Field& field, const std::string& toml) {
+  add_options(app, fields, "", [](const Field& field, Value value) {
     const std::string& key = field.name();
-    table_of_options(key + " = " + toml, {{key, option_name(field, "")}}).read({field});
+    Table({{key, std::move(value)}}, "", {{key, option_name(field, "")}}).read({field});
   });
 }
 
@@ -182,35 +160,42 @@ void SceneOptions::add(const std::string& table, const Fields& fields, const std
   for (const Field& field : fields) {
     m_names[name + field.name()] = option_name(field, prefix);
   }
-  add_options(m_app, fields, prefix, [this, table](const Field& field, const std::string& toml) {
-    m_text[table] += field.name() + " = " + toml + "\n";
+  add_options(m_app, fields, prefix, [this, table](const Field& field, Value value) {
+    m_given[table][field.name()] = std::move(value);
   });
 }
 
-void SceneOptions::set(const std::string& table, const std::string& key, const std::string& toml,
+void SceneOptions::set(const std::string& table, const std::string& key, Value value,
                        const std::string& option) {
-  try {
-    Table::parse(key + " = " + toml, option);
-  } catch (const InputError& error) {
-    throw UsageError(error.what());
-  }
   m_names[full_table_name(table) + "." + key] = option;
-  m_text[table] += key + " = " + toml + "\n";
+  m_given[table][key] = std::move(value);
+}
+
+/// The table of that name in the root, which comes to be where it is not there.
+Value& SceneOptions::made(Value& root, const std::string& name) const {
+  const std::size_t dot = name.find('.');
+  const std::string first = name.substr(0, dot);
+  Value& entry = root[first];
+  const bool is_listed = first == "step" || first == "view";
+  if (is_listed && entry.is_null()) entry.push_back(Value::table());
+  Value& table = is_listed ? entry.back() : entry;
+  if (dot == std::string::npos) return table;
+  Value& inner = table[name.substr(dot + 1)];
+  if (inner.is_null() || inner.is_table()) return inner;
+  throw InputError({"", m_names.at(full_table_name(name)), shown_text(inner) + " and a key of it",
+                    "one of them"});
 }
 
 Table SceneOptions::scene() const {
-  std::string text;
-  for (const std::string& table : m_tables) {
-    const auto holds = [&](const std::string& other) {
-      return other == table || other.compare(0, table.size() + 1, table + ".") == 0;
-    };
-    const bool is_there = std::any_of(m_text.begin(), m_text.end(),
-                                      [&](const auto& given) { return holds(given.first); });
-    if (!is_there) continue;
-    const auto own = m_text.find(table);
-    text += heading(table) + (own == m_text.end() ? "" : own->second);
+  Value root = Value::table();
+  for (const std::string& name : m_tables) {
+    const auto given = m_given.find(name);
+    if (given == m_given.end()) continue;
+    Value& table = made(root, name);
+    if (table.is_null()) table = Value::table();
+    table.update(given->second);
   }
-  return table_of_options(text, m_names);
+  return Table(std::move(root), "", m_names);
 }
 
 }  // namespace supple::tools

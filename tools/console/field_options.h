@@ -12,6 +12,7 @@
 
 #include "volumes/base/fields.h"
 #include "volumes/base/table.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -33,37 +34,38 @@ class SceneOptions {
   /// The fields of a table, "volume", "step", "step.relax" …: "--" + prefix + name. A table that
   /// holds others comes before them.
   void add(const std::string& table, const Fields& fields, const std::string& prefix = "");
-  /// A key with its value as TOML; `option` stands for it in errors. Throws UsageError for text
-  /// that is no TOML.
-  void set(const std::string& table, const std::string& key, const std::string& toml,
+  /// A key with its value; `option` stands for it in errors.
+  void set(const std::string& table, const std::string& key, Value value,
            const std::string& option);
   /// Sets the name of a key or table in errors; `full_name` is "step[1].relax" and the like.
   void call(const std::string& full_name, const std::string& option) {
     m_names[full_name] = option;
   }
-  /// Writes the table even where nothing of it was given.
-  void include(const std::string& table) { m_text[table]; }
+  /// Makes the table even where nothing of it was given.
+  void include(const std::string& table) { m_given[table]; }
   /// Whether the table has anything.
-  bool has(const std::string& table) const { return m_text.count(table) != 0; }
+  bool has(const std::string& table) const { return m_given.count(table) != 0; }
 
   /// The root of the scene that the options describe.
   Table scene() const;
 
  private:
+  Value& made(Value& root, const std::string& name) const;
+
   CLI::App& m_app;
-  std::vector<std::string> m_tables;           // in the order of the text
-  std::map<std::string, std::string> m_text;   // of each table
+  std::vector<std::string> m_tables;           // those that hold others before these
+  std::map<std::string, Value> m_given;        // of each table
   std::map<std::string, std::string> m_names;  // full name of a key to its option
 };
 
 /// Whether the text is meant as a table, "{ … }".
 bool is_table(const std::string& text);
 /// One table as it stands in a scene. Throws UsageError naming the option for anything else.
-std::string toml_table(const std::string& option, const std::string& text);
-/// A number as TOML. Throws UsageError naming the option for text that is no number.
-std::string toml_number(const std::string& option, const std::string& text);
-/// Numbers "A,B,C" as a TOML list. Throws UsageError naming the option for another count of
-/// numbers, and for text that is none.
-std::string toml_numbers(const std::string& option, const std::string& text, std::size_t count = 3);
+Value table_value(const std::string& option, const std::string& text);
+/// A number. Throws UsageError naming the option for text that is none.
+Value number_value(const std::string& option, const std::string& text);
+/// Numbers "A,B,C" as a list. Throws UsageError naming the option for another count of numbers, and
+/// for text that is none.
+Value numbers_value(const std::string& option, const std::string& text, std::size_t count = 3);
 
 }  // namespace supple::tools

@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "volumes/base/value.h"
+
 namespace supple::tools {
 
 struct GrabText {
-  std::string keys;           // of the table of a scene, "grab_ball = [1, 2, 3], radius = 4"
+  Value keys;                 // of the table of a scene
   bool is_plain_box = false;  // a voxel or a box of voxels
   bool moves_itself = false;  // a table with a motion, or points with displacements
 };
@@ -15,7 +17,7 @@ struct GrabText {
 /// A place: "I,J,K" in voxels, "lps:X,Y,Z" or "ras:X,Y,Z" in mm.
 struct PlaceText {
   std::string frame;  // as in a scene
-  std::string toml;   // its numbers
+  Value numbers;
 };
 PlaceText parse_place(const std::string& option, const std::string& text);
 

@@ -2,20 +2,20 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
-std::string people_text(const nlohmann::ordered_json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_float()) {
+std::string people_text(const Value& value) {
+  if (value.is_text()) return value.text();
+  if (value.is_number() && !value.is_whole()) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value.get<double>());
+    std::snprintf(text, sizeof text, "%.4g", value.number());
     return text;
   }
-  if (!value.is_array()) return value.dump();
+  if (!value.is_list()) return json_text(value);
   std::string list;
-  for (const auto& part : value) list += (list.empty() ? "" : ", ") + people_text(part);
+  for (const Value& part : value.items()) list += (list.empty() ? "" : ", ") + people_text(part);
   return "[" + list + "]";
 }
 

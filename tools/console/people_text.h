@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 /// Numbers that are no integers to four digits, strings without quotes, lists in brackets.
-std::string people_text(const nlohmann::ordered_json& value);
+std::string people_text(const Value& value);
 
 }  // namespace supple::tools

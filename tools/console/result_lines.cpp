@@ -2,9 +2,8 @@
 
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/scene/run/reports.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -42,11 +41,11 @@ void print_reactions(const std::vector<HandleReaction>& reactions) {
 void print_dense_report(const std::string& path, const Geometry& grid, std::int64_t lost_voxels,
                         const InversionCertificate& certificate) {
   const Vec3i& dims = grid.dims();
-  const nlohmann::ordered_json json = {{"output", path},
-                                       {"dims", {dims.x, dims.y, dims.z}},
-                                       {"lost_voxels", lost_voxels},
-                                       {"certificate", to_json(certificate)}};
-  std::printf("%s\n", json.dump(2).c_str());
+  const Value json = {{"output", path},
+                      {"dims", {dims.x, dims.y, dims.z}},
+                      {"lost_voxels", lost_voxels},
+                      {"certificate", to_value(certificate)}};
+  std::printf("%s\n", json_text(json, 2).c_str());
 }
 
 }  // namespace supple::tools

@@ -10,7 +10,6 @@
 #include <iterator>
 
 #include <fcntl.h>
-#include <nlohmann/json.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,6 +18,8 @@
 #include "volumes/base/error.h"
 #include "volumes/base/table.h"
 #include "volumes/base/text.h"
+#include "volumes/base/toml.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -201,13 +202,12 @@ KeptJournal::~KeptJournal() {
   ::close(m_file);
 }
 
-void KeptJournal::add(const std::string& event, bool replaces_last,
-                      const std::function<std::string()>& journal) {
+void KeptJournal::add(const Value& event, bool replaces_last,
+                      const std::function<Value()>& journal) {
   if (m_folder.empty()) return;
-  const nlohmann::ordered_json keys = nlohmann::ordered_json::parse(event);
-  m_is_saved = m_is_saved && keys.value("kind", "") == "camera";
+  m_is_saved = m_is_saved && event["kind"] == Value("camera");
   if (m_file < 0) return begin(journal);
-  append("\n" + toml_document(nlohmann::ordered_json{{"event", {keys}}}.dump()), replaces_last);
+  append("\n" + toml_document({{"event", Value::List{event}}}), replaces_last);
 }
 
 void KeptJournal::saved() {
@@ -247,13 +247,13 @@ bool KeptJournal::make_file(const std::string& text) {
   return false;
 }
 
-void KeptJournal::begin(const std::function<std::string()>& journal) {
+void KeptJournal::begin(const std::function<Value()>& journal) {
   const std::time_t now = std::time(nullptr);
   if (now < m_next_try) return;
   m_next_try = now + kTryAgainSeconds;
   if (!make_folder()) return fail("cannot be made", errno);
   prune(m_folder);
-  std::string events = journal();
+  std::string events = toml_document(journal());
   // What the file that was opened says, and what opening did, nobody loses.
   const std::size_t first = std::min(events.rfind(kEvent), events.size());
   if (m_replaces.empty()) events.insert(first, std::string("\n") + kSaved);

@@ -15,6 +15,7 @@
 
 #include "tools/viewer/disk_sync.h"
 #include "tools/viewer/folders.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -56,14 +57,13 @@ class KeptJournal {
 
   /// An event as JSON; `journal` gives the journal with it. What cannot be written is warned of
   /// once, and tried again with the next event.
-  void add(const std::string& event, bool replaces_last,
-           const std::function<std::string()>& journal);
+  void add(const Value& event, bool replaces_last, const std::function<Value()>& journal);
   /// A file holds all events so far.
   void saved();
   const std::string& path() const { return m_path; }
 
  private:
-  void begin(const std::function<std::string()>& journal);
+  void begin(const std::function<Value()>& journal);
   bool make_folder();
   bool make_file(const std::string& text);
   void append(const std::string& text, bool replaces_last);

@@ -7,6 +7,7 @@
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/pictures/jpeg.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -65,7 +66,7 @@ void OpenScene::run(EventMailbox& mailbox) {
 
 void OpenScene::keep(std::unique_ptr<KeptJournal> journal) {
   m_kept = std::move(journal);
-  m_live.record_with([this](const std::string& keys, bool replaces_last) {
+  m_live.record_with([this](const Value& keys, bool replaces_last) {
     m_kept->add(keys, replaces_last, [this] { return m_live.journal(); });
   });
 }

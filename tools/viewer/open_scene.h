@@ -5,8 +5,6 @@
 #include <memory>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "raycast/drawings/rest_outline.h"
 #include "tools/console/console.h"
 #include "tools/scene/live/live_loop.h"
@@ -15,6 +13,7 @@
 #include "tools/viewer/kept_sessions.h"
 #include "tools/viewer/page_progress.h"
 #include "tools/viewer/view_settings.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -68,8 +67,8 @@ class OpenScene final : public LoopWatcher {
 
   /// The message `scene`, but for `event`, which each page counts for itself. While the body is
   /// being moved, it is described as it was.
-  nlohmann::ordered_json description();
-  nlohmann::ordered_json slices_json();
+  Value description();
+  Value slices_json();
   void tell_scene();
   /// Of the values that the overlay shows.
   ScalarRange overlay_range();
@@ -90,7 +89,7 @@ class OpenScene final : public LoopWatcher {
   bool draw_next_pane();
   bool may_tell() const;
   const ScalarRange& densities();
-  nlohmann::ordered_json body_description();
+  Value body_description();
   bool has_overlay() const { return m_settings.slices.overlay != FieldOverlay::none; }
   void choose_painter();
   void paint_overlay(FloatImage& seen, const Camera& camera);
@@ -110,8 +109,8 @@ class OpenScene final : public LoopWatcher {
   std::optional<ScalarRange> m_range;
   std::optional<ScalarRange> m_densities;     // once they were asked for
   std::optional<RestOutline> m_rest_outline;  // while it is drawn in space
-  nlohmann::ordered_json m_body_told;         // of description(), as it was before the body moved
-  std::string m_warned_model;                 // keys of an expensive one that was refused once
+  Value m_body_told;                          // of description(), as it was before the body moved
+  Value m_warned_model;                       // keys of an expensive one that was refused once
   bool m_is_told = false;
   bool m_is_moving = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body
@@ -119,7 +118,7 @@ class OpenScene final : public LoopWatcher {
 };
 
 /// A transfer function as the message `presets` has it.
-nlohmann::ordered_json transfer_json(const TransferFunction& function);
-nlohmann::ordered_json camera_json(const Camera& camera);
+Value transfer_json(const TransferFunction& function);
+Value camera_json(const Camera& camera);
 
 }  // namespace supple::tools

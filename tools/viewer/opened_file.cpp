@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
-#include "tools/scene/file/json.h"
 #include "tools/scene/file/live_event.h"
 #include "volumes/base/text.h"
+#include "volumes/base/value.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/state/state.h"
@@ -67,7 +67,7 @@ OpenedFile opened_file(const std::string& path, const std::string& material,
                        const std::string& preset, Progress* progress) {
   if (std::filesystem::path(path).extension() == ".toml") return {Table::read(path), "", false};
   std::string assumed;
-  Json json = {{"volume", {{"path", absolute_path(path)}}}};
+  Value json = {{"volume", {{"path", absolute_path(path)}}}};
   if (find_tissue_preset(material) != nullptr) {
     json["material"]["preset"] = material;
   } else if (material.empty() && !is_state_file(path)) {
@@ -79,7 +79,7 @@ OpenedFile opened_file(const std::string& path, const std::string& material,
   }
   json["view"].push_back({{"image", "live.png"}});
   if (!preset.empty()) json["view"][0]["preset"] = preset;
-  return {Table::parse(toml_document(json.dump()), path), assumed, true};
+  return {Table(json, path), assumed, true};
 }
 
 void require_within(Table& root, const Folders& folders) {

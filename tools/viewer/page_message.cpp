@@ -4,7 +4,7 @@
 #include <array>
 #include <filesystem>
 
-#include "tools/scene/file/json.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
@@ -23,52 +23,43 @@ bool is_verb(const std::string& key) {
 constexpr std::array<const char*, 7> kFileKeys = {"table",    "points", "fix_points", "mesh",
                                                   "transfer", "camera", "path"};
 
-void resolve_files(Json& value, const std::string& key, const Folders& folders) {
-  if (value.is_object()) {
-    for (auto& [name, entry] : value.items()) resolve_files(entry, name, folders);
-  } else if (value.is_array()) {
-    for (Json& entry : value) resolve_files(entry, key, folders);
-  } else if (value.is_string()) {
+void resolve_files(Value& value, const Folders& folders) {
+  for_each_text(value, "", [&](const std::string& key, std::string& text) {
     const bool is_file = std::find(kFileKeys.begin(), kFileKeys.end(), key) != kFileKeys.end();
-    if (is_file) value = folders.input(value.get<std::string>());
-  }
+    if (is_file) text = folders.input(text);
+  });
 }
 
-bool has_control_characters(const Json& value) {
-  if (value.is_string()) {
-    const std::string& text = value.get_ref<const std::string&>();
-    return std::any_of(text.begin(), text.end(),
-                       [](char c) { return (c >= 0 && c < ' ') || c == 127; });
-  }
-  return value.is_structured() && std::any_of(value.begin(), value.end(), has_control_characters);
+bool has_control_characters(Value value) {
+  bool found = false;
+  for_each_text(value, "", [&](const std::string&, const std::string& text) {
+    found = found || std::any_of(text.begin(), text.end(),
+                                 [](char c) { return (c >= 0 && c < ' ') || c == 127; });
+  });
+  return found;
 }
 
 }  // namespace
 
 PageMessage parse_page_message(std::string_view text) {
   if (text.size() > kMostMessageBytes) throw BadMessage("a message of more than 1 MiB");
-  // The parser does not recurse, but who reads the value does.
-  const auto limit_depth = [](int depth, Json::parse_event_t, Json&) {
-    if (depth > kMostMessageDepth) throw BadMessage("a message of lists within lists");
-    return true;
-  };
-  Json json;
+  Value json;
   try {
-    json = Json::parse(text.begin(), text.end(), limit_depth);
-  } catch (const Json::exception&) {
-    throw BadMessage("a message that is no JSON");
+    json = parse_json(text, kMostMessageDepth);
+  } catch (const JsonError& error) {
+    throw BadMessage(error.is_too_deep ? "a message of lists within lists"
+                                       : "a message that is no JSON");
   }
-  if (!json.is_object()) throw BadMessage("a message that is no object");
+  if (!json.is_table()) throw BadMessage("a message that is no object");
   PageMessage message;
-  for (auto& [key, value] : json.items()) {
+  for (const auto& [key, value] : json.entries()) {
     if (key == "n") {
-      const bool is_number = value.is_number_unsigned();
-      const std::uint64_t n = is_number ? value.get<std::uint64_t>() : 0;
-      if (n == 0 || n > UINT32_MAX) throw BadMessage("a number n outside 1 to 2^32-1");
+      const std::int64_t n = value.is_whole() ? value.whole() : 0;
+      if (n <= 0 || n > UINT32_MAX) throw BadMessage("a number n outside 1 to 2^32-1");
       message.n = std::uint32_t(n);
     } else if (is_verb(key) && message.verb.empty()) {
       message.verb = key;
-      message.value = std::move(value);
+      message.value = value;
     } else {
       throw BadMessage("a message with two verbs or an unknown key");
     }
@@ -78,19 +69,19 @@ PageMessage parse_page_message(std::string_view text) {
 }
 
 Table table_of(const PageMessage& message) {
-  if (!message.value.is_object()) {
+  if (!message.value.is_table()) {
     throw InputError({message.verb, "", "no object", "an object of keys"});
   }
   if (has_control_characters(message.value)) {
     throw InputError({message.verb, "", "control characters", "texts and names without them"});
   }
-  Table root = Table::parse(toml_document(Json{{message.verb, message.value}}.dump()), "");
-  return *root.table(message.verb);
+  // A journal has the keys of an event in ascending order.
+  return *Table(Value{{message.verb, sorted(message.value)}}).table(message.verb);
 }
 
 LiveEvent event_of(const PageMessage& message, const LabelNames& names, const Folders& folders) {
   PageMessage checked = message;
-  resolve_files(checked.value, "", folders);
+  resolve_files(checked.value, folders);
   Table table = table_of(checked);
   table.admit_inputs(
       [&folders](const std::string& path) { folders.input(std::filesystem::absolute(path)); });

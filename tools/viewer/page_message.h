@@ -8,10 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/scene/file/live_event.h"
 #include "tools/viewer/folders.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -28,14 +27,14 @@ class BadMessage : public Error {
 struct PageMessage {
   std::optional<std::uint32_t> n;  // which its answer names
   std::string verb;
-  nlohmann::ordered_json value;
+  Value value;
 };
 
 /// Throws BadMessage.
 PageMessage parse_page_message(std::string_view text);
 
 /// The value of a verb as a table, so that keys are read strictly. Throws InputError for values
-/// that TOML lacks.
+/// that are none and for control characters.
 Table table_of(const PageMessage& message);
 
 /// An event, its files within the folders. Throws InputError as read_event.

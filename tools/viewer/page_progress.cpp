@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 namespace supple::tools {
 
 namespace {
@@ -28,7 +26,7 @@ void PageProgress::end() {
   m_is_running = false;
   if (!m_is_told) return;
   m_is_told = false;
-  m_pages.tell_all(nlohmann::json{{"progress", nullptr}}.dump());
+  m_pages.tell_all(Pages::text_of({{"progress", nullptr}}));
 }
 
 void PageProgress::stage(std::string_view name) {
@@ -44,9 +42,8 @@ void PageProgress::update(double fraction) {
   m_told = now;
   m_is_told = true;
   const std::chrono::duration<double, std::milli> since = now - m_entered;
-  m_pages.tell_all(nlohmann::json{
-      {"progress", {{"what", m_stage}, {"part", fraction}, {"ms", std::floor(since.count())}}}}
-                       .dump());
+  m_pages.tell_all(Pages::text_of(
+      {{"progress", {{"what", m_stage}, {"part", fraction}, {"ms", std::floor(since.count())}}}}));
 }
 
 bool PageProgress::cancelled() const {

@@ -7,10 +7,9 @@
 #include "lib/material/presets.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/spring_step.h"
-#include "tools/scene/file/json.h"
 #include "tools/scene/run/reports.h"
 #include "tools/viewer/saving.h"
-#include "volumes/base/json.h"
+#include "volumes/base/value.h"
 #include "volumes/io/open_volume.h"
 
 namespace supple::tools {
@@ -31,13 +30,13 @@ const char* kind_of_file(const std::string& name) {
   return std::find(volumes.begin(), volumes.end(), extension) != volumes.end() ? "volume" : "other";
 }
 
-Json roots_json(const Folders& folders) {
+Value roots_json(const Folders& folders) {
   return {
-      {"path", ""}, {"parent", nullptr}, {"folders", folders.roots()}, {"files", Json::array()}};
+      {"path", ""}, {"parent", nullptr}, {"folders", folders.roots()}, {"files", Value::list()}};
 }
 
 /// What a folder holds but for hidden files, names ascending; links that lead out are left out.
-Json list_json(const std::string& path, const Folders& folders) {
+Value list_json(const std::string& path, const Folders& folders) {
   if (path.empty()) return roots_json(folders);
   const std::string folder = folders.input(path);
   std::vector<std::string> inside;
@@ -62,7 +61,7 @@ Json list_json(const std::string& path, const Folders& folders) {
   if (error) throw InputError({path, "list", "no folder to be read", "a folder"});
   std::sort(inside.begin(), inside.end());
   std::sort(files.begin(), files.end());
-  Json json = {{"path", folder}, {"parent", ""}, {"folders", inside}, {"files", Json::array()}};
+  Value json = {{"path", folder}, {"parent", ""}, {"folders", inside}, {"files", Value::list()}};
   const std::vector<std::string>& roots = folders.roots();
   if (std::find(roots.begin(), roots.end(), folder) == roots.end()) {
     json["parent"] = fs::path(folder).parent_path().string();
@@ -83,21 +82,21 @@ const char* type_of(const Field& field) {
 }
 
 /// What the command line's help says of them.
-Json options_json(const Fields& fields) {
-  Json json = Json::array();
+Value options_json(const Fields& fields) {
+  Value json = Value::list();
   for (const Field& field : fields) {
-    Json one = {{"name", field.name()}, {"type", type_of(field)}, {"help", field.help()}};
+    Value one = {{"name", field.name()}, {"type", type_of(field)}, {"help", field.help()}};
     if (!field.names().empty()) one["choices"] = field.names();
     if (!field.unit().empty()) one["unit"] = field.unit();
     one["allowed"] = field.allowed();
     const Value value = field.value();
-    if (!value.is_null()) one["default"] = Json::parse(json_text(value));
+    if (!value.is_null()) one["default"] = value;
     json.push_back(std::move(one));
   }
   return json;
 }
 
-Json options_of(const std::string& kind) {
+Value options_of(const std::string& kind) {
   if (kind == "relax") {
     RelaxParams params;
     return options_json(fields(params));
@@ -123,18 +122,18 @@ Json options_of(const std::string& kind) {
   throw InputError({"options", "kind", "'" + kind + "'", "relax, springs, fem, save or slices"});
 }
 
-Json presets_json() {
-  Json json = Json::array();
+Value presets_json() {
+  Value json = Value::list();
   for (const std::string& name : preset_names()) json.push_back(transfer_json(preset(name)));
   return json;
 }
 
 /// Of whole pictures, as their files would have them.
-Json material_presets_json() {
-  Json json = Json::array();
+Value material_presets_json() {
+  Value json = Value::list();
   for (const TissuePreset& preset : tissue_presets()) {
     const Table table = Table::parse(preset.table, preset.name);
-    json.push_back({{"name", preset.name}, {"table", Json::parse(json_text(table.value()))}});
+    json.push_back({{"name", preset.name}, {"table", table.value()}});
   }
   return json;
 }
@@ -149,7 +148,7 @@ std::string text_in(const PageMessage& message, const char* key) {
 
 }  // namespace
 
-Json query(const PageMessage& message, const Folders& folders) {
+Value query(const PageMessage& message, const Folders& folders) {
   if (message.verb == "list") return list_json(text_in(message, "path"), folders);
   if (message.verb == "options") return options_of(text_in(message, "kind"));
   if (message.verb == "presets") return presets_json();
@@ -163,7 +162,7 @@ int histogram_bins(Table& table) {
   return bins;
 }
 
-Json histogram_json(OpenScene& scene, int bins) {
+Value histogram_json(OpenScene& scene, int bins) {
   const State& state = scene.picture().opened();
   const DensityGrid& density = state.density;
   float lo = 0, hi = 0;
@@ -190,17 +189,17 @@ Json histogram_json(OpenScene& scene, int bins) {
   return {{"lo", lo}, {"hi", hi}, {"counts", counts}};
 }
 
-Json material_json(OpenScene& scene) {
+Value material_json(OpenScene& scene) {
   const std::string text = material_to_toml(scene.live().session().material());
-  return Json::parse(json_text(Table::parse(text, "material").value()));
+  return Table::parse(text, "material").value();
 }
 
-Json slices_json(SliceSettings slices) {
-  Json json = Json::parse(json_text(fields_value(fields(slices))));
-  json["centre"] = Json::object();
+Value slices_json(SliceSettings slices) {
+  Value json = fields_value(fields(slices));
+  json["centre"] = Value::table();
   for (std::size_t plane = 0; plane < 3; ++plane) {
     if (slices.centre[plane]) {
-      json["centre"][kViewNames[plane + 1]] = vector_json(*slices.centre[plane]);
+      json["centre"][kViewNames[plane + 1]] = *slices.centre[plane];
     }
   }
   return json;

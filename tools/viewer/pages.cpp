@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "volumes/base/json.h"
+
 namespace supple::tools {
 
 namespace {
@@ -83,7 +85,7 @@ void Pages::tell_all(const std::string& text) {
   for (auto& [number, page] : m_pages) page.outlet->send_text(shared);
 }
 
-void Pages::tell_scene(const nlohmann::ordered_json& scene, std::uint64_t number) {
+void Pages::tell_scene(const Value& scene, std::uint64_t number) {
   std::string text = text_of({{"scene", scene}});
   const std::lock_guard lock(m_guard);
   m_scene = text;
@@ -102,7 +104,7 @@ std::shared_ptr<const std::string> Pages::scene_for(const Page& page) const {
 }
 
 void Pages::tell_refused(std::uint64_t number, const std::string& why) {
-  nlohmann::ordered_json log = {{"level", "error"}, {"text", why}};
+  Value log = {{"level", "error"}, {"text", why}};
   const std::lock_guard lock(m_guard);
   for (auto& [id, page] : m_pages) {
     for (const auto& [noted, n] : page.numbers) {
@@ -115,8 +117,8 @@ void Pages::tell_refused(std::uint64_t number, const std::string& why) {
   for (auto& [id, page] : m_pages) page.outlet->send_text(text);
 }
 
-std::string Pages::text_of(const nlohmann::ordered_json& json) {
-  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+std::string Pages::text_of(const Value& json) {
+  return json_text(json);
 }
 
 void Pages::publish(FrameMessage frame) {

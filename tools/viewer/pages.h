@@ -9,9 +9,8 @@
 #include <mutex>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/viewer/frame_message.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -46,13 +45,13 @@ class Pages {
   void tell(int page, const std::string& text);
   void tell_all(const std::string& text);
   /// A description of the scene as the session's `number` left it, with each page's n of that.
-  void tell_scene(const nlohmann::ordered_json& scene, std::uint64_t number);
+  void tell_scene(const Value& scene, std::uint64_t number);
   /// The message with that number could not be done: for the page that sent it, else for all.
   void tell_refused(std::uint64_t number, const std::string& why);
   /// Left out where a newer one of the view has been published.
   void publish(FrameMessage frame);
   /// As text, whatever bytes the strings hold.
-  static std::string text_of(const nlohmann::ordered_json& json);
+  static std::string text_of(const Value& json);
   /// Pictures of what is not open any more.
   void forget_frames();
   std::uint64_t next_stamp();

@@ -3,27 +3,28 @@
 #include <algorithm>
 
 #include "tools/scene/run/reports.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
 
 namespace {
 
 /// A selection's keys in few words.
-std::string words_of(const Json& keys) {
+std::string words_of(const Value& keys) {
   for (const char* key : {"grab", "grab_box", "grab_ball", "grab_label", "grab_density", "at_mm",
                           "piece_at", "rigid_at", "points"}) {
     if (!keys.contains(key)) continue;
-    std::string words = std::string(key) + " " + keys[key].dump();
-    if (keys.contains("radius")) words += ", " + keys["radius"].dump() + " mm";
+    std::string words = std::string(key) + " " + json_text(keys[key]);
+    if (keys.contains("radius")) words += ", " + json_text(keys["radius"]) + " mm";
     return words;
   }
   return "a part of the body";
 }
 
 /// Keys of an event from those of a step's entry.
-Json event_json(const char* kind, Json keys) {
+Value event_json(const char* kind, Value keys) {
   for (const char* key : {"by", "by_mm_lps", "push"}) keys.erase(key);
-  Json event = {{"kind", kind}};
+  Value event = {{"kind", kind}};
   event.update(keys);
   return event;
 }
@@ -35,16 +36,16 @@ Vec3d place_now(const Vec3d& rest_index, const State& state, const Displacement&
   return state.geometry.world_from_index(rest_index + u);
 }
 
-Json held_json(const char* kind, const Json& keys) {
+Value held_json(const char* kind, const Value& keys) {
   return {{"text", words_of(keys)}, {"event", event_json(kind, keys)}};
 }
 
 /// Where what is held was and is.
-void add_places(Json& json, const Vec3d& rest_index, const State& state,
+void add_places(Value& json, const Vec3d& rest_index, const State& state,
                 const Displacement& moved) {
-  json["voxel"] = vector_json(rest_index);
-  json["lps"] = vector_json(place_now(rest_index, state, moved));
-  json["rest_lps"] = vector_json(state.geometry.world_from_index(rest_index));
+  json["voxel"] = rest_index;
+  json["lps"] = place_now(rest_index, state, moved);
+  json["rest_lps"] = state.geometry.world_from_index(rest_index);
 }
 
 /// The middle of a voxel, box or ball, or the place of a piece; nothing of other selections.
@@ -61,10 +62,10 @@ std::optional<Vec3d> middle_of(const GivenSelection& given, const Geometry& geom
 }
 
 /// The middle of what the keys of an entry name, as of an event.
-std::optional<Vec3d> middle_of(const Json& keys) {
+std::optional<Vec3d> middle_of(const Value& keys) {
   for (const char* key : {"grab", "grab_ball", "grab_box"}) {
-    if (!keys.contains(key) || !keys[key].is_array()) continue;
-    const std::vector<double> v = keys[key].get<std::vector<double>>();
+    if (!keys.contains(key) || !keys[key].is_list()) continue;
+    const std::vector<double> v = numbers_of(keys[key]);
     if (v.size() == 3) return Vec3d(v[0], v[1], v[2]);
     if (v.size() == 6) return Vec3d(v[0] + v[3], v[1] + v[4], v[2] + v[5]) / 2;
   }
@@ -96,7 +97,7 @@ PatchSide outermost_side(const CutSurface& cut, const Geometry& geometry) {
 
 /// What is swept along a curve or over a patch, to be drawn: the line where the body is now, and
 /// how far it goes to either side. Nothing of meshes and labels.
-Json sheet_json(const CutSurface& cut, const State& state, const Displacement& moved) {
+Value sheet_json(const CutSurface& cut, const State& state, const Displacement& moved) {
   if (cut.mesh || cut.label != 0) return nullptr;
   const Geometry& geometry = state.geometry;
   const auto vector_of = [&](const Vec3d& v) {
@@ -114,53 +115,53 @@ Json sheet_json(const CutSurface& cut, const State& state, const Displacement& m
     down = along * (cut.curve->depth_mm / along.length());
     up = along * (-cut.curve->above_mm / along.length());
   }
-  Json places = Json::array();
+  Value places = Value::list();
   for (const Vec3d& point : line) {
     const Vec3d index = cut.in_voxels ? point : geometry.index_from_world(point);
-    places.push_back(vector_json(place_now(index, state, moved)));
+    places.push_back(place_now(index, state, moved));
   }
-  return {{"line", places}, {"down", vector_json(down)}, {"up", vector_json(up)}};
+  return {{"line", places}, {"down", down}, {"up", up}};
 }
 
-Json cut_json(const Json& keys, const CutSurface* surface, const State& state,
-              const Displacement& moved) {
-  return {{"text", keys.begin().key()},
+Value cut_json(const Value& keys, const CutSurface* surface, const State& state,
+               const Displacement& moved) {
+  return {{"text", keys.entries().front().key},
           {"event", event_json("cut", keys)},
-          {"sheet", surface == nullptr ? Json(nullptr) : sheet_json(*surface, state, moved)}};
+          {"sheet", surface == nullptr ? Value(nullptr) : sheet_json(*surface, state, moved)}};
 }
 
 }  // namespace
 
-Json handles_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
-                  const State& state, const Displacement& moved) {
-  Json handles = Json::array();
-  for (const Json& keys : of_state.handles) {
+Value handles_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
+                   const State& state, const Displacement& moved) {
+  Value handles = Value::list();
+  for (const Value& keys : of_state.handles) {
     const auto middle = middle_of(keys);
     if (!middle) continue;
-    add_places(handles.emplace_back(held_json("grab", keys)), *middle, state, moved);
+    add_places(handles.push_back(held_json("grab", keys)), *middle, state, moved);
     handles.back()["is_place"] = true;
   }
   for (std::size_t n = 0; n < held.handles.size(); ++n) {
     const auto middle = middle_of(held.handles[n].given, state.geometry);
     if (!middle) continue;
-    Json& handle = handles.emplace_back(held_json("grab", Json::parse(held.handles[n].keys)));
+    Value& handle = handles.push_back(held_json("grab", held.handles[n].keys));
     add_places(handle, *middle, state, moved);
     if (live.can_let_go_of_one()) handle["number"] = n + 1;
   }
   return handles;
 }
 
-Json anchors_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
-                  const State& state, const Displacement& moved) {
-  Json anchors = Json::array();
-  for (const Json& keys : of_state.anchors) {
-    Json& anchor = anchors.emplace_back(held_json("anchor", keys));
+Value anchors_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
+                   const State& state, const Displacement& moved) {
+  Value anchors = Value::list();
+  for (const Value& keys : of_state.anchors) {
+    Value& anchor = anchors.push_back(held_json("anchor", keys));
     const auto middle = middle_of(keys);
     if (middle) add_places(anchor, *middle, state, moved);
   }
   for (std::size_t n = 0; n < held.anchors.size(); ++n) {
     const HeldPart& part = held.anchors[n];
-    Json& anchor = anchors.emplace_back(held_json("anchor", Json::parse(part.keys)));
+    Value& anchor = anchors.push_back(held_json("anchor", part.keys));
     const auto middle = middle_of(part.given, state.geometry);
     if (middle) add_places(anchor, *middle, state, moved);
     if (live.can_let_go_of_one()) anchor["number"] = n + 1;
@@ -168,16 +169,16 @@ Json anchors_json(const LiveSession& live, const HeldParts& held, const StatePar
   return anchors;
 }
 
-Json cuts_json(const std::vector<LiveSession::DoneStep>& done, const StateParts& of_state,
-               const State& state, const Displacement& moved) {
-  Json cuts = Json::array();
+Value cuts_json(const std::vector<LiveSession::DoneStep>& done, const StateParts& of_state,
+                const State& state, const Displacement& moved) {
+  Value cuts = Value::list();
   for (const StateParts::Cut& cut : of_state.cuts) {
     cuts.push_back(cut_json(cut.keys, cut.surface ? &*cut.surface : nullptr, state, moved));
   }
   std::size_t number = 0;
   for (const LiveSession::DoneStep& step : done) {
     if (step.step.cuts.empty()) continue;
-    const Json all = Json::parse(step.keys).value("cut", Json::array());
+    const Value& all = step.keys["cut"];
     for (std::size_t n = 0; n < all.size(); ++n) {
       const std::vector<CutSurface>& surfaces = step.step.cuts;
       cuts.push_back(cut_json(all[n], n < surfaces.size() ? &surfaces[n] : nullptr, state, moved));

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/scene/file/json.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/value.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/volume.h"
 
@@ -71,7 +71,7 @@ bool element_at(const BrickTopology& elements, const Vec3d& at_rest, Vec3i& elem
 }
 
 /// What is seen at a place of the index frame.
-Json place_json(OpenScene& scene, const Vec3d& index) {
+Value place_json(OpenScene& scene, const Vec3d& index) {
   LivePicture& picture = scene.picture();
   const State& state = picture.opened();
   const RestPlaceAt rest = picture.rest_places(false);
@@ -79,20 +79,19 @@ Json place_json(OpenScene& scene, const Vec3d& index) {
   const bool is_known = !rest || rest(index, at_rest);
   Vec3i voxel(0);
   const bool is_element = is_known && element_at(state.elements, at_rest, voxel);
-  Json json = {{"index", vector_json(index)},
-               {"lps", vector_json(state.geometry.world_from_index(index))},
-               {"element", is_element}};
+  Value json = {
+      {"index", index}, {"lps", state.geometry.world_from_index(index)}, {"element", is_element}};
   if (is_element) json["voxel"] = {voxel.x, voxel.y, voxel.z};
   if (is_known) {
-    json["rest_lps"] = vector_json(state.geometry.world_from_index(at_rest));
-    json["displacement"] = vector_json(state.geometry.world_vector_from_index(index - at_rest));
+    json["rest_lps"] = state.geometry.world_from_index(at_rest);
+    json["displacement"] = state.geometry.world_vector_from_index(index - at_rest);
     json["density"] = sample_trilinear(state.density, within_border(at_rest, state.geometry.dims()),
                                        state.density.background());
   }
   return json;
 }
 
-Json pick_in_space(OpenScene& scene, const PickRequest& request) {
+Value pick_in_space(OpenScene& scene, const PickRequest& request) {
   LivePicture& picture = scene.picture();
   const Geometry& geometry = picture.opened().geometry;
   const SceneView& view = picture.view();
@@ -100,11 +99,11 @@ Json pick_in_space(OpenScene& scene, const PickRequest& request) {
   const Ray ray = camera_ray(camera, view.size[0], view.size[1], request.at[0], request.at[1]);
   const CameraFrame frame = camera_frame(camera);
   double depth = 0;
-  Json json;
+  Value json;
   if (request.ray_only) {
     depth = (camera.target_lps_mm - ray.origin_lps_mm).dot(frame.forward) /
             ray.direction_lps.dot(frame.forward);
-    json = Json::object();
+    json = Value::table();
   } else {
     const std::optional<double> seen = seen_depth(picture, camera, ray);
     if (!seen) return nullptr;
@@ -117,15 +116,14 @@ Json pick_in_space(OpenScene& scene, const PickRequest& request) {
                               ? 2 * half_height_at_unit_distance(camera) * along_view / view.size[1]
                               : camera.height_mm / view.size[1];
   json["depth"] = depth;
-  json["right"] = vector_json(along_grid(geometry, frame.right * pixel_mm));
-  json["down"] = vector_json(along_grid(geometry, frame.up * -pixel_mm));
-  json["towards"] = vector_json(along_grid(geometry, frame.forward * -1.));
-  json["ray"] = {{"origin", vector_json(ray.origin_lps_mm)},
-                 {"direction", vector_json(ray.direction_lps)}};
+  json["right"] = along_grid(geometry, frame.right * pixel_mm);
+  json["down"] = along_grid(geometry, frame.up * -pixel_mm);
+  json["towards"] = along_grid(geometry, frame.forward * -1.);
+  json["ray"] = {{"origin", ray.origin_lps_mm}, {"direction", ray.direction_lps}};
   return json;
 }
 
-Json pick_in_slice(OpenScene& scene, const PickRequest& request) {
+Value pick_in_slice(OpenScene& scene, const PickRequest& request) {
   const State& state = scene.picture().opened();
   const ViewSettings& settings = scene.settings();
   const PixelFrame pixels = pane_pixels(state.geometry, settings.slices, request.view - 1,
@@ -138,12 +136,12 @@ Json pick_in_slice(OpenScene& scene, const PickRequest& request) {
   }
   Vec3d away = pixels.right_mm.cross(pixels.down_mm);
   away = away / away.length();
-  Json json = place_json(scene, index);
+  Value json = place_json(scene, index);
   json["depth"] = 0;
-  json["right"] = vector_json(along_grid(state.geometry, pixels.right_mm));
-  json["down"] = vector_json(along_grid(state.geometry, pixels.down_mm));
-  json["towards"] = vector_json(along_grid(state.geometry, away * -1.));
-  json["ray"] = {{"origin", vector_json(place)}, {"direction", vector_json(away)}};
+  json["right"] = along_grid(state.geometry, pixels.right_mm);
+  json["down"] = along_grid(state.geometry, pixels.down_mm);
+  json["towards"] = along_grid(state.geometry, away * -1.);
+  json["ray"] = {{"origin", place}, {"direction", away}};
   return json;
 }
 
@@ -163,7 +161,7 @@ PickRequest pick_request(Table& table) {
   return request;
 }
 
-Json pick(OpenScene& scene, const PickRequest& request) {
+Value pick(OpenScene& scene, const PickRequest& request) {
   if (request.view == 0) return pick_in_space(scene, request);
   if (scene.settings().sizes[std::size_t(request.view)][0] == 0) return nullptr;
   return pick_in_slice(scene, request);

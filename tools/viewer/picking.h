@@ -1,9 +1,8 @@
 // What lies under the pointer, and what moving the pointer by a pixel means there.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "tools/viewer/open_scene.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -16,6 +15,6 @@ struct PickRequest {
 PickRequest pick_request(Table& table);
 
 /// The answer to `pick`; null where nothing is hit.
-nlohmann::ordered_json pick(OpenScene& scene, const PickRequest& request);
+Value pick(OpenScene& scene, const PickRequest& request);
 
 }  // namespace supple::tools

@@ -11,6 +11,8 @@
 #include "tools/scene/run/slice_pictures.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/toml.h"
+#include "volumes/base/value.h"
 #include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
@@ -107,8 +109,7 @@ Replay replay_of(OpenScene& scene, const SaveRequest& request) {
   options.size = request.size;
   options.speed = request.speed;
   options.frames_per_second = request.frames_per_second;
-  return {Table::parse(scene.live().journal(), "journal"), options, scene.console(),
-          scene.progress()};
+  return {Table(scene.live().journal(), "journal"), options, scene.console(), scene.progress()};
 }
 
 /// Returns how large its files are.
@@ -172,8 +173,8 @@ void write_what(OpenScene& scene, const SaveRequest& request) {
   LiveSession& live = scene.live();
   const std::string& what = request.what;
   if (what == "state") return live.session().write_state(request.path, &scene.progress());
-  if (what == "scene") return write_text(request.path, live.batch_scene());
-  if (what == "journal") return write_text(request.path, live.journal());
+  if (what == "scene") return write_text(request.path, toml_document(live.batch_scene()));
+  if (what == "journal") return write_text(request.path, toml_document(live.journal()));
   const SceneView& view = scene.picture().view();
   if (what == "camera") return write_text(request.path, to_toml(*view.camera.camera));
   if (what == "transfer") return write_text(request.path, to_toml(look_of(view)));
@@ -218,7 +219,7 @@ SaveRequest save_request(Table& table, const Folders& folders) {
   return request;
 }
 
-nlohmann::ordered_json save(OpenScene& scene, const SaveRequest& request) {
+Value save(OpenScene& scene, const SaveRequest& request) {
   const bool holds_all =
       request.what == "state" || request.what == "scene" || request.what == "journal";
   if (is_series(request.what)) {

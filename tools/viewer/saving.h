@@ -1,10 +1,9 @@
 // Files that a page asks for, within the folders that it may use.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "tools/viewer/folders.h"
 #include "tools/viewer/open_scene.h"
+#include "volumes/base/value.h"
 #include "volumes/field/dense/warp.h"
 
 namespace supple::tools {
@@ -24,6 +23,6 @@ Fields fields(SaveRequest& request);
 SaveRequest save_request(Table& table, const Folders& folders);
 
 /// Writes it; the answer to `save`. Throws as its writers do, Cancelled.
-nlohmann::ordered_json save(OpenScene& scene, const SaveRequest& request);
+Value save(OpenScene& scene, const SaveRequest& request);
 
 }  // namespace supple::tools

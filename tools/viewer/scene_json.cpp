@@ -1,7 +1,6 @@
 // The message `scene`: all that the page's panels show.
 #include <algorithm>
 
-#include "tools/scene/file/json.h"
 #include "tools/scene/live/held_parts.h"
 #include "tools/scene/live/step_texts.h"
 #include "tools/scene/run/reports.h"
@@ -9,37 +8,38 @@
 #include "tools/viewer/open_scene.h"
 #include "tools/viewer/page_queries.h"
 #include "tools/viewer/parts_json.h"
+#include "volumes/base/value.h"
 #include "volumes/grid/volume.h"
 
 namespace supple::tools {
 
 namespace {
 
-Json keys_json(const std::vector<OpacityKey>& keys) {
-  Json rows = Json::array();
+Value keys_json(const std::vector<OpacityKey>& keys) {
+  Value rows = Value::list();
   for (const OpacityKey& key : keys) rows.push_back({key.density, key.opacity});
   return rows;
 }
 
-Json clip_json(const ClipChoice& choice) {
-  Json json;
+Value clip_json(const ClipChoice& choice) {
+  Value json;
   if (choice.voxel_corners) {
     const auto& [a, b] = *choice.voxel_corners;
     json["box"] = {a.x, a.y, a.z, b.x, b.y, b.z};
   } else if (!choice.clip.region.empty()) {
-    json["plane"] = {{"point", vector_json(choice.clip.region[0].point_lps_mm)},
-                     {"normal", vector_json(choice.clip.region[0].normal_lps)}};
+    json["plane"] = {{"point", choice.clip.region[0].point_lps_mm},
+                     {"normal", choice.clip.region[0].normal_lps}};
   }
   json["keep"] = choice.clip.keep == ClipKeep::inside ? "inside" : "outside";
   json["space"] = choice.clip.space == ClipSpace::source ? "source" : "deformed";
   return json;
 }
 
-Json volume_json(const Scene& scene, const State& state, const ScalarRange& densities) {
+Value volume_json(const Scene& scene, const State& state, const ScalarRange& densities) {
   const Geometry& geometry = state.geometry;
   const auto& axes = geometry.axes_mm();
   const Vec3d& origin = geometry.origin_lps_mm();
-  Json affine = Json::array();
+  Value affine = Value::list();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) affine.push_back(axes[std::size_t(column)][row]);
     affine.push_back(origin[row]);
@@ -49,34 +49,32 @@ Json volume_json(const Scene& scene, const State& state, const ScalarRange& dens
   return {{"name", state.source_name},
           {"path", scene.volume_path},
           {"dims", {dims.x, dims.y, dims.z}},
-          {"spacing", vector_json(geometry.spacing_mm())},
+          {"spacing", geometry.spacing_mm()},
           {"affine", affine},
           {"hu", are_hounsfield_units(state.density.background())},
           {"density", {densities.lo, densities.hi}},
           {"elements", state.elements.active_count()}};
 }
 
-Json history_json(const std::vector<History::Entry>& entries) {
-  Json list = Json::array();
+Value history_json(const std::vector<History::Entry>& entries) {
+  Value list = Value::list();
   for (const History::Entry& entry : entries) {
     list.push_back({{"text", entry.text}, {"kind", entry.kind}, {"steps", entry.steps}});
   }
   return list;
 }
 
-Json drag_json(const LiveSession::LedDrag& led) {
+Value drag_json(const LiveSession::LedDrag& led) {
   constexpr double kWholeMm = 1e-3;
   const bool is_whole = (led.asked - led.reached).length() < kWholeMm;
-  Json json = {{"asked", vector_json(led.asked)},
-               {"reached", vector_json(led.reached)},
-               {"moved", led.moved}};
-  json["stopped_by"] = is_whole ? Json(nullptr) : Json(led.by_cut ? "cut" : "held");
+  Value json = {{"asked", led.asked}, {"reached", led.reached}, {"moved", led.moved}};
+  json["stopped_by"] = is_whole ? Value(nullptr) : Value(led.by_cut ? "cut" : "held");
   return json;
 }
 
-Json memory_json(const Session& session, const LivePicture::Memory& memory) {
+Value memory_json(const Session& session, const LivePicture::Memory& memory) {
   const auto part = [](const char* name, std::size_t bytes, const char* why) {
-    return Json{{"part", name}, {"bytes", bytes}, {"why", why}};
+    return Value{{"part", name}, {"bytes", bytes}, {"why", why}};
   };
   return {part("densities", memory.source, "what pictures sample: elements and two voxels around"),
           part("body", session.body().bytes(), "classes, offsets and cuts of the elements"),
@@ -87,12 +85,12 @@ Json memory_json(const Session& session, const LivePicture::Memory& memory) {
 
 }  // namespace
 
-Json camera_json(const Camera& camera) {
-  Json json = {
+Value camera_json(const Camera& camera) {
+  Value json = {
       {"projection", camera.projection == Projection::perspective ? "perspective" : "orthographic"},
-      {"position", vector_json(camera.position_lps_mm)},
-      {"target", vector_json(camera.target_lps_mm)},
-      {"up", vector_json(camera.up_lps)}};
+      {"position", camera.position_lps_mm},
+      {"target", camera.target_lps_mm},
+      {"up", camera.up_lps}};
   if (camera.projection == Projection::perspective) {
     json["fov"] = camera.vertical_fov_degrees;
   } else {
@@ -101,15 +99,15 @@ Json camera_json(const Camera& camera) {
   return json;
 }
 
-Json transfer_json(const TransferFunction& function) {
-  Json colours = Json::array();
+Value transfer_json(const TransferFunction& function) {
+  Value colours = Value::list();
   for (const ColourKey& key : function.colour) {
     colours.push_back({key.density, key.rgb[0], key.rgb[1], key.rgb[2]});
   }
-  Json json = {{"name", function.name},
-               {"blend", function.blend == Blend::maximum ? "maximum" : "composite"},
-               {"opacity", keys_json(function.opacity)},
-               {"colour", colours}};
+  Value json = {{"name", function.name},
+                {"blend", function.blend == Blend::maximum ? "maximum" : "composite"},
+                {"opacity", keys_json(function.opacity)},
+                {"colour", colours}};
   if (!function.gradient_opacity.empty()) {
     json["gradient_opacity"] = keys_json(function.gradient_opacity);
   }
@@ -138,14 +136,14 @@ const ScalarRange& OpenScene::densities() {
   return *m_densities;
 }
 
-Json OpenScene::slices_json() {
+Value OpenScene::slices_json() {
   const SliceSettings& slices = m_settings.slices;
-  Json json = supple::tools::slices_json(slices);
+  Value json = supple::tools::slices_json(slices);
   if (slices.overlay == FieldOverlay::none) return json;
   const ScalarRange range = overlay_range();
   json["overlay_range"] = {range.lo, range.hi};
   for (int n = 0; n < 16; ++n) {
-    Json& colour = json["overlay_colours"].emplace_back();
+    Value& colour = json["overlay_colours"].push_back({});
     for (const double c : value_colour(colours_of(slices.overlay), n / 15.)) {
       colour.push_back(int(std::lround(255 * c)));
     }
@@ -153,12 +151,12 @@ Json OpenScene::slices_json() {
   return json;
 }
 
-Json OpenScene::description() {
+Value OpenScene::description() {
   if (!m_is_moving) m_body_told = body_description();
   const SceneView& view = picture().view();
-  Json clips = Json::array();
+  Value clips = Value::list();
   for (const ClipChoice& clip : view.clips) clips.push_back(clip_json(clip));
-  Json scene = m_body_told;
+  Value scene = m_body_told;
   scene["view"] = {{"camera", camera_json(*view.camera.camera)},
                    {"preset", view.transfer ? "" : view.preset},
                    {"transfer", transfer_json(look_of(view))},
@@ -168,7 +166,7 @@ Json OpenScene::description() {
   return scene;
 }
 
-Json OpenScene::body_description() {
+Value OpenScene::body_description() {
   const State& state = picture().opened();
   const Session& session = m_live.session();
   const HeldParts held = held_parts(m_live.done());
@@ -178,7 +176,7 @@ Json OpenScene::body_description() {
       std::any_of(done.begin(), done.end(),
                   [](const LiveSession::DoneStep& step) { return step.step.release; });
   const StateParts of_state = was_released ? StateParts() : *m_state_parts;
-  Json scene;
+  Value scene;
   scene["volume"] = volume_json(m_live.scene(), state, densities());
   if (!m_assumed.empty()) {
     const Vec3i& dims = state.geometry.dims();
@@ -188,10 +186,9 @@ Json OpenScene::body_description() {
   }
   scene["grab"] = nullptr;
   if (const auto& grab = m_live.grabbed()) {
-    Json event = {{"kind", name_of(grab->kind)}};
-    event.update(Json::parse(grab->keys));
-    scene["grab"] = {
-        {"event", event}, {"reached", vector_json(m_live.reached())}, {"page", grab->page}};
+    Value event = {{"kind", name_of(grab->kind)}};
+    event.update(grab->keys);
+    scene["grab"] = {{"event", event}, {"reached", m_live.reached()}, {"page", grab->page}};
   }
   if (const auto& led = m_live.led()) scene["drag"] = drag_json(*led);
   const Displacement& moved = picture().displacement();

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/scene/file/json.h"
 #include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/page_queries.h"
 #include "tools/viewer/picking.h"
 #include "tools/viewer/saving.h"
+#include "volumes/base/value.h"
 #include "volumes/base/version.h"
 
 namespace supple::tools {
@@ -17,7 +17,7 @@ namespace {
 constexpr int kLargestSide = 4096;  // of a view, pixels
 
 /// What is asked of the open scene, its value read and checked.
-std::function<Json(OpenScene&)> question_of(const PageMessage& message, const Folders& folders) {
+std::function<Value(OpenScene&)> question_of(const PageMessage& message, const Folders& folders) {
   if (message.verb == "material") return material_json;
   Table table = table_of(message);
   if (message.verb == "pick") {
@@ -110,11 +110,11 @@ OpenScene& Viewer::opened() {
 }
 
 int Viewer::join(std::shared_ptr<PageOutlet> page) {
-  Json hello = {{"version", kVersion},
-                {"session", m_session_id},
-                {"pages", m_pages.count() + 1},
-                {"budget_ms", m_options.budget_ms},
-                {"threads", std::thread::hardware_concurrency()}};
+  Value hello = {{"version", kVersion},
+                 {"session", m_session_id},
+                 {"pages", m_pages.count() + 1},
+                 {"budget_ms", m_options.budget_ms},
+                 {"threads", std::thread::hardware_concurrency()}};
   {
     const std::lock_guard lock(m_guard);
     if (m_left) hello["left"] = {{"text", text_of(*m_left)}, {"unsaved", m_left->unsaved}};
@@ -135,7 +135,7 @@ double Viewer::now_ms() const {
   return std::floor(ms_since(m_start));
 }
 
-void Viewer::answer(int page, const PageMessage& message, const Json& ok) {
+void Viewer::answer(int page, const PageMessage& message, const Value& ok) {
   if (message.n) m_pages.tell(page, Pages::text_of({{"re", *message.n}, {"ok", ok}}));
 }
 
@@ -172,18 +172,19 @@ void Viewer::dispatch(int page, const PageMessage& message) {
 }
 
 void Viewer::take_ack(int page, const PageMessage& message) {
-  if (!message.value.is_number_unsigned()) throw BadMessage("an ack without a number");
-  m_pages.acknowledge(page, message.value.get<std::uint32_t>());
+  const bool is_number = message.value.is_whole() && message.value.whole() >= 0;
+  if (!is_number) throw BadMessage("an ack without a number");
+  m_pages.acknowledge(page, std::uint32_t(message.value.whole()));
 }
 
 void Viewer::take_wish(const PageMessage& message) {
   if (message.verb == "size") return take_size(message);
   if (message.verb == "slices") return take_slices(message);
-  if (!message.value.is_boolean()) {
+  if (!message.value.is_truth()) {
     throw InputError({"deformed", "", "no truth value", "true or false"});
   }
   const std::lock_guard lock(m_guard);
-  m_settings.deformed = message.value.get<bool>();
+  m_settings.deformed = message.value.truth();
 }
 
 /// What waits goes, too.
@@ -311,7 +312,7 @@ void Viewer::see_soon(int page, const PageMessage& message) {
     const std::lock_guard lock(m_guard);
     now = m_settings;
   }
-  answer(page, message, message.verb == "slices" ? slices_json(now.slices) : Json(true));
+  answer(page, message, message.verb == "slices" ? slices_json(now.slices) : Value(true));
 }
 
 }  // namespace supple::tools

@@ -13,6 +13,7 @@
 #include "tools/viewer/open_scene.h"
 #include "tools/viewer/opened_file.h"
 #include "tools/viewer/page_message.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -49,7 +50,7 @@ class Viewer {
  private:
   void begin();
   void run();
-  void answer(int page, const PageMessage& message, const nlohmann::ordered_json& ok);
+  void answer(int page, const PageMessage& message, const Value& ok);
   void answer_error(int page, const PageMessage& message, const std::string& why);
   void dispatch(int page, const PageMessage& message);
   void take_event(int page, const PageMessage& message);
@@ -65,7 +66,7 @@ class Viewer {
   void see_soon(int page, const PageMessage& message);
   void interrupt();
   std::uint64_t take_number(int page, const PageMessage& message);
-  using Question = std::function<nlohmann::ordered_json(OpenScene&)>;
+  using Question = std::function<Value(OpenScene&)>;
   /// Runs on the session's thread, and answers with what it returns.
   void answer_later(int page, const PageMessage& message, const Question& work);
   void open(const OpenedFile& file, const std::string& input, const std::string& replaces = "");

@@ -2,7 +2,6 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
-#include "tools/scene/file/json.h"
 #include "tools/viewer/viewer.h"
 
 namespace supple::tools {
@@ -99,13 +98,13 @@ void Viewer::go_on_with(const LeftSession& left, bool is_own_input) {
 
 /// True: the session that was left is opened; false: nobody is asked about it any more.
 void Viewer::take_go_on(int page, const PageMessage& message) {
-  if (!message.value.is_boolean()) throw InputError({"go_on", "", "no truth value", "true, false"});
+  if (!message.value.is_truth()) throw InputError({"go_on", "", "no truth value", "true, false"});
   std::optional<LeftSession> left;
   {
     const std::lock_guard lock(m_guard);
     left = std::exchange(m_left, std::nullopt);
   }
-  if (!message.value.get<bool>()) return answer(page, message, true);
+  if (!message.value.truth()) return answer(page, message, true);
   if (!left) throw InputError({"go_on", "", "no session that was left", "one that hello tells of"});
   open_later(page, message, [this, left] { go_on_with(*left, !m_options.input.empty()); });
 }

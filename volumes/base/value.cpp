@@ -83,6 +83,12 @@ const Value& Value::operator[](const std::string& key) const {
   return value != nullptr ? *value : kNull;
 }
 
+const Value& Value::at(const std::string& key) const {
+  const Value* value = find(key);
+  if (value == nullptr) throw std::out_of_range("no key " + key);
+  return *value;
+}
+
 Value& Value::operator[](const std::string& key) {
   if (is_null()) m_data = Entries();
   if (Value* value = const_cast<Value*>(find(key))) return *value;
@@ -124,6 +130,13 @@ bool Value::operator==(const Value& other) const {
     return number() == other.number();
   }
   return m_data == other.m_data;
+}
+
+std::vector<double> numbers_of(const Value& list) {
+  if (!list.is_list()) throw std::invalid_argument("no list");
+  std::vector<double> numbers;
+  for (const Value& item : list.items()) numbers.push_back(item.number());
+  return numbers;
 }
 
 Value sorted(Value value) {

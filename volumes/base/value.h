@@ -92,10 +92,10 @@ class Value {
 
   /// The value of a key, or null where there is none.
   const Value& operator[](const std::string& key) const;
-  const Value& operator[](const char* key) const { return (*this)[std::string(key)]; }
+  /// Likewise, but throws std::out_of_range where there is none.
+  const Value& at(const std::string& key) const;
   /// A null becomes a table, and a missing key one with the value null.
   Value& operator[](const std::string& key);
-  Value& operator[](const char* key) { return (*this)[std::string(key)]; }
   bool contains(const std::string& key) const { return find(key) != nullptr; }
   const Value* find(const std::string& key) const;
   void erase(const std::string& key);
@@ -105,8 +105,6 @@ class Value {
   /// An item, which must be there: throws std::out_of_range otherwise.
   const Value& at(std::size_t index) const { return items().at(index); }
   Value& at(std::size_t index);
-  const Value& operator[](int index) const { return at(std::size_t(index)); }
-  Value& operator[](int index) { return at(std::size_t(index)); }
   const Value& operator[](std::size_t index) const { return at(index); }
   Value& operator[](std::size_t index) { return at(index); }
   const Value& front() const { return at(0); }
@@ -138,6 +136,9 @@ struct Value::Entry {
   Value value;
   bool operator==(const Entry& other) const { return key == other.key && value == other.value; }
 };
+
+/// Numbers of a list. Throws std::invalid_argument for anything else.
+std::vector<double> numbers_of(const Value& list);
 
 /// The value with the keys of all its tables in ascending order.
 Value sorted(Value value);

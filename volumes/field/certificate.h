@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "volumes/base/vec.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -25,7 +25,7 @@ struct InversionCertificate {
   bool of_part = false;               // only some offsets were wanted, and all counts are of these
 };
 
-/// One line of JSON, without the list of unresolved voxels.
-std::string certificate_json(const InversionCertificate& certificate);
+/// Without the list of unresolved voxels.
+Value to_value(const InversionCertificate& certificate);
 
 }  // namespace supple

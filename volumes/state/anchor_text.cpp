@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 
 namespace supple {
 
@@ -12,46 +11,40 @@ namespace {
 
 constexpr std::size_t kMaxFoundText = 80;
 
-nlohmann::json parse_list_or_object(const std::string& text, const std::string& file,
-                                    const char* field) {
-  nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded()) {
+/// The keys of selections and pieces ascend in a state.
+Value parse_sorted(const std::string& text, const std::string& file, const char* field) {
+  try {
+    return sorted(parse_json(text));
+  } catch (const JsonError&) {
     throw InputError({file, field, text.substr(0, kMaxFoundText), "JSON"});
   }
-  return json;
 }
 
-int to_int(const nlohmann::json& json) {
-  const auto value = json.is_number_integer() ? json.get<std::int64_t>() : std::int64_t(1) << 40;
-  if (value != std::int64_t(int(value))) throw std::out_of_range("no 32-bit integer");
-  return int(value);
+int to_int(const Value& value) {
+  if (value.whole() != std::int64_t(int(value.whole()))) throw std::out_of_range("no 32 bits");
+  return int(value.whole());
 }
 
 }  // namespace
 
 std::string anchors_to_json(const Anchors& anchors) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const IndexBox& box : anchors.boxes) {
-    json.push_back({box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
-  }
-  for (const std::int32_t label : anchors.labels) json.push_back({{"label", label}});
-  for (const std::string& selection : anchors.selections) {
-    json.push_back({{"select", nlohmann::json::parse(selection)}});
-  }
-  return json.dump();
+  Value list = anchors.boxes;
+  for (const std::int32_t label : anchors.labels) list.push_back({{"label", label}});
+  for (const Value& selection : anchors.selections) list.push_back({{"select", sorted(selection)}});
+  return json_text(list);
 }
 
 Anchors anchors_from_json(const std::string& text, const std::string& file) {
-  const nlohmann::json json = parse_list_or_object(text, file, "anchors");
+  const Value list = parse_sorted(text, file, "anchors");
   try {
-    if (!json.is_array()) throw std::out_of_range("no list");
+    if (!list.is_list()) throw std::out_of_range("no list");
     Anchors anchors;
-    for (const nlohmann::json& item : json) {
+    for (const Value& item : list.items()) {
       if (item.contains("select")) {
-        anchors.selections.push_back(item.at("select").dump());
+        anchors.selections.push_back(item.at("select"));
         continue;
       }
-      if (item.is_object()) {
+      if (item.is_table()) {
         anchors.labels.push_back(to_int(item.at("label")));
         continue;
       }
@@ -66,21 +59,13 @@ Anchors anchors_from_json(const std::string& text, const std::string& file) {
   }
 }
 
-std::string pieces_to_json(const std::vector<std::string>& pieces) {
-  nlohmann::json json = nlohmann::json::array();
-  for (const std::string& piece : pieces) json.push_back(nlohmann::json::parse(piece));
-  return json.dump();
-}
-
-std::vector<std::string> pieces_from_json(const std::string& text, const std::string& file) {
-  const nlohmann::json json = parse_list_or_object(text, file, "pieces");
-  const bool is_list = json.is_array() && std::all_of(json.begin(), json.end(),
-                                                      [](const auto& x) { return x.is_object(); });
-  if (!is_list) {
+std::vector<Value> pieces_from_json(const std::string& text, const std::string& file) {
+  const Value list = parse_sorted(text, file, "pieces");
+  const Value::List& pieces = list.items();
+  const auto is_table = [](const Value& piece) { return piece.is_table(); };
+  if (!list.is_list() || !std::all_of(pieces.begin(), pieces.end(), is_table)) {
     throw InputError({file, "pieces", text.substr(0, kMaxFoundText), "a list of objects"});
   }
-  std::vector<std::string> pieces;
-  for (const nlohmann::json& piece : json) pieces.push_back(piece.dump());
   return pieces;
 }
 

@@ -143,7 +143,7 @@ void check_labels(const State& state, const std::string& file) {
 }
 
 void check_pieces(const State& state, const std::string& file) {
-  const auto count = std::int32_t(state.piece_texts.size());
+  const auto count = std::int32_t(state.piece_records.size());
   const std::size_t bricks = state.elements.brick_count();
   if (state.pieces.brick_count() != 0 && state.pieces.brick_count() != bricks) {
     throw InputError({file, "piece", std::to_string(state.pieces.brick_count()) + " bricks",

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volumes/base/progress.h"
+#include "volumes/base/value.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
@@ -53,11 +54,11 @@ struct State {
   /// `elements`.
   BrickValues pieces;
   /// Name and pose of each piece, as JSON, for the session that continues the state.
-  std::vector<std::string> piece_texts;
+  std::vector<Value> piece_records;
   std::vector<IndexBox> anchors;
   std::vector<std::int32_t> anchor_labels;  // whose elements stay where they are too
   /// Further anchors, each a selection as JSON, for the session that continues the state.
-  std::vector<std::string> anchor_selections;
+  std::vector<Value> anchor_selections;
   std::string material_toml;  // the table as text, so that a state can be continued
   std::string configuration;  // JSON: the effective settings that produced it
   std::string source_name;    // file name of the source volume

@@ -1,5 +1,6 @@
 #include "volumes/state/state_outputs.h"
 
+#include "volumes/base/json.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/state/warp_jumps.h"
@@ -52,7 +53,7 @@ std::int64_t write_state_warp(const WarpOutput& output, const State& state, cons
   } else {
     lost = warn_of_lost_material(output.path, state, pose, output.grid, progress);
     facts.geometry = output.grid;
-    facts.certificate = certificate_json(pose.offsets.certificate);
+    facts.certificate = json_text(to_value(pose.offsets.certificate));
     if (may_be_sparse && output.void_mode == VoidMode::nearest && output.grid == state.geometry) {
       sparse = sparse_offsets(pose.offsets, state.density.bricks());
     }

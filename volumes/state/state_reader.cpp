@@ -198,7 +198,7 @@ State read_state(const std::string& path, Progress* progress) {
   if (has_grid(content, kPieceGrid)) {
     read_numbers(*grid_of<openvdb::Int32Grid>(content, kPieceGrid, state.geometry, path), state,
                  state.pieces, path);
-    state.piece_texts = pieces_from_json(text_of(content, "pieces", path), path);
+    state.piece_records = pieces_from_json(text_of(content, "pieces", path), path);
   }
   check_state(state, path);
   report(progress, 1);

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/json.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/grid/labels.h"
@@ -135,7 +136,7 @@ openvdb::MetaMap make_metadata(const State& state) {
   insert("frame", "LPS");
   insert("geometry", geometry_to_json(state.geometry));
   insert("material", state.material_toml);
-  if (!state.piece_texts.empty()) insert("pieces", pieces_to_json(state.piece_texts));
+  if (!state.piece_records.empty()) insert("pieces", json_text(state.piece_records));
   insert("source_name", state.source_name);
   insert("source_type", state.source_type);
   insert("units", "mm");
@@ -161,7 +162,7 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   if (!is_empty(state.velocity_mm_s)) add(make_velocity(state));
   if (!state.cuts.empty()) add(make_cut_links(state));
   if (!label_counts(state.labels).empty()) add(make_numbers(kLabelGrid, state, state.labels));
-  if (!state.piece_texts.empty()) add(make_numbers(kPieceGrid, state, state.pieces));
+  if (!state.piece_records.empty()) add(make_numbers(kPieceGrid, state, state.pieces));
   const Displacement displacement = extended_displacement_of(state);
   grids.push_back(make_vectors(kDisplacementGrid, "material", displacement.u, state.geometry));
   if (offsets != nullptr) {

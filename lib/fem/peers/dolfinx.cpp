@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include <nlohmann/json.hpp>
 #include <oneapi/tbb/global_control.h>
 
 #include "lib/fem/peers/dolfinx_solve.h"
+#include "volumes/base/json.h"
 #include "volumes/base/run_program.h"
 #include "volumes/base/scratch_folder.h"
 #include "volumes/base/stopwatch.h"
@@ -82,14 +82,14 @@ bool DolfinxSolver::run(Progress* progress) {
                       "Debian's python3-dolfinx, and mpirun for several threads"});
   }
   if (end.signal != 0) throw Error("DOLFINx ended by signal " + std::to_string(end.signal));
-  const nlohmann::json said = nlohmann::json::parse(end.out, nullptr, /*allow_exceptions=*/false);
-  if (end.exit_code != 0 || said.is_discarded()) {
+  const Value said = json_or_null(end.out);
+  if (end.exit_code != 0 || !said.is_table()) {
     throw Error("DOLFINx: " + complaint_in(end.err));
   }
-  m_iterations = said.at("iterations");
-  m_bytes = said.at("peak_bytes");
+  m_iterations = int(said.at("iterations").whole());
+  m_bytes = std::size_t(said.at("peak_bytes").number());
   read_result(folder / "u.f64");
-  return said.at("converged");
+  return said.at("converged").truth();
 }
 
 void DolfinxSolver::write_problem(const std::string& folder) const {

@@ -8,6 +8,8 @@
 #include "tools/scene/live/replay.h"
 #include "volumes/base/text.h"
 #include "volumes/base/text_file.h"
+#include "volumes/base/toml.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -141,11 +143,12 @@ void carry_out(LiveSession& live, const LiveEvent& event, Console& console, Live
 
 /// The events that led to the error, and that which did not go on, as a journal.
 void write_journal(const LiveSession& live, const std::string& next, const std::string& folder) {
-  replace_text_file(folder + "/journal.toml", live.journal() + "\n[[event]]\n" + next);
+  replace_text_file(folder + "/journal.toml",
+                    toml_document(live.journal()) + "\n[[event]]\n" + next);
 }
 
-std::string replayed_hash(const std::string& journal, const std::string& folder, Console& console) {
-  LiveSession again(Table::parse(journal, folder + "/journal.toml"), &console);
+std::string replayed_hash(const Value& journal, const std::string& folder, Console& console) {
+  LiveSession again(Table(journal, folder + "/journal.toml"), &console);
   for (const LiveEvent& event : again.events()) {
     again.carry_out(event, &console);
     again.stop();

@@ -1,13 +1,9 @@
 #include "tools/scene/file/live_event.h"
 
-#include <nlohmann/json.hpp>
-
-#include "lib/material/toml_string.h"
 #include "tools/scene/file/cut_keys.h"
 #include "tools/scene/file/handle_keys.h"
-#include "tools/scene/file/json.h"
 #include "tools/scene/file/model_keys.h"
-#include "volumes/base/json.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -40,10 +36,10 @@ Fields own_fields(LiveEvent& event) {
 }
 
 /// The keys of the table that are not the event's own.
-std::string other_keys(const Table& table, const Fields& own) {
-  Json json = Json::parse(json_text(table.value()));
-  for (const Field& field : own) json.erase(field.name());
-  return json.dump();
+Value other_keys(const Table& table, const Fields& own) {
+  Value keys = table.value();
+  for (const Field& field : own) keys.erase(field.name());
+  return keys;
 }
 
 void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
@@ -118,27 +114,6 @@ void read_keys(Table& table, const LabelNames& names, LiveEvent& event) {
   }
 }
 
-void write_inline(const Json& value, std::string& text) {
-  if (value.is_object()) {
-    text += "{ ";
-    for (const auto& [key, entry] : value.items()) {
-      text += (text.back() == ' ' && text[text.size() - 2] == '{' ? "" : ", ") + toml_key(key);
-      text += " = ";
-      write_inline(entry, text);
-    }
-    text += " }";
-  } else if (value.is_array()) {
-    text += "[";
-    for (std::size_t n = 0; n < value.size(); ++n) {
-      if (n > 0) text += ", ";
-      write_inline(value[n], text);
-    }
-    text += "]";
-  } else {
-    text += value.is_string() ? toml_string(value.get<std::string>()) : value.dump();
-  }
-}
-
 }  // namespace
 
 const char* name_of(EventKind kind) {
@@ -186,33 +161,6 @@ LiveEvent read_event(Table& table, const LabelNames& names) {
   table.finish();
   event.step.place = event.place;
   return event;
-}
-
-std::string toml_of_json(const std::string& json) {
-  std::string text;
-  write_inline(Json::parse(json), text);
-  return text;
-}
-
-std::string toml_document(const std::string& json) {
-  std::string text;
-  const auto add = [&](const std::string& head, const Json& table) {
-    text += (text.empty() ? "" : "\n") + head + "\n";
-    for (const auto& [key, value] : table.items()) {
-      text += toml_key(key) + " = ";
-      write_inline(value, text);
-      text += "\n";
-    }
-  };
-  const Json root = Json::parse(json);
-  for (const auto& [key, value] : root.items()) {
-    if (!value.is_array()) {
-      add("[" + key + "]", value);
-      continue;
-    }
-    for (const Json& table : value) add("[[" + key + "]]", table);
-  }
-  return text;
 }
 
 }  // namespace supple::tools

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tools/scene/file/scene.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -46,8 +47,8 @@ struct LiveEvent {
   bool restore = false, no_relax = false;
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
   Limits limits = Limits::box;
-  std::string keys = "{}";  // JSON: those of the kind, as in scenes
-  SceneStep step;           // what they say; of grab and push its one handle, which does not move
+  Value keys = Value::table();  // those of the kind, as in scenes
+  SceneStep step;  // what they say; of grab and push its one handle, which does not move
 
   bool is_of_view() const { return kind >= EventKind::camera; }
 };
@@ -56,10 +57,5 @@ const char* name_of(EventKind kind);
 
 /// One of [[event]]. Throws InputError as Table does.
 LiveEvent read_event(Table& table, const LabelNames& names);
-
-/// A JSON value in one line of TOML.
-std::string toml_of_json(const std::string& json);
-/// Tables of a root, one after the other: what `json` holds.
-std::string toml_document(const std::string& json);
 
 }  // namespace supple::tools

@@ -5,9 +5,7 @@
 #include <set>
 #include <tuple>
 
-#include "lib/material/toml_string.h"
 #include "volumes/base/error.h"
-#include "volumes/base/json.h"
 #include "volumes/io/point_file.h"
 
 namespace supple::tools {
@@ -220,7 +218,7 @@ OffsetFunction read_function(Table& table) {
   OffsetFunction function;
   function.place = table.place();
   function.name = table.full_name("");
-  function.json = json_text(table.value());
+  function.given = table.value();
   const auto name = table.string("function");
   if (!name) {
     table.fail("function", "nothing", "bend, twist, taper, cut-open, explode or lattice");

@@ -9,6 +9,7 @@
 
 #include "volumes/base/progress.h"
 #include "volumes/base/table.h"
+#include "volumes/base/value.h"
 #include "volumes/field/paths/path_functions.h"
 #include "volumes/state/pose.h"
 
@@ -27,7 +28,7 @@ Fields fields(FunctionKeys& keys);
 /// One table. Absent values are chosen by the volume's geometry.
 struct OffsetFunction {
   std::string place, name;  // for errors: "file:line", "path[2]"
-  std::string json;         // the table as given
+  Value given;              // the table
   std::function<std::shared_ptr<const PathFunction>(const Geometry&)> make;
 };
 

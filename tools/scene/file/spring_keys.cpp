@@ -2,10 +2,8 @@
 
 #include <filesystem>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/contact/mesh_surface.h"
-#include "volumes/base/json.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -93,14 +91,14 @@ void read_contact(Table& table, SpringStep& step) {
   DrivenCollider driven;
   table.know({"sphere", "plane", "capsule", "box", "mesh"});
   table.read(contact_fields(driven));
-  nlohmann::ordered_json settings = nlohmann::ordered_json::parse(json_text(table.value()));
+  Value settings = table.value();
   if (const auto mesh = table.path("mesh")) {
     settings["mesh"] = std::filesystem::path(*mesh).filename().string();
   }
   driven.collider.shape = read_shape(table);
   table.finish();
   step.motion.colliders.push_back(std::move(driven));
-  step.contacts.push_back(settings.dump());
+  step.contacts.push_back(std::move(settings));
 }
 
 }  // namespace

@@ -2,41 +2,40 @@
 
 #include <algorithm>
 
-#include "tools/scene/file/json.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 namespace {
 
 /// Of a handle's or a step's keys those that say what it takes hold of.
-std::string selection_keys(const Json& all) {
+Value selection_keys(const Value& all) {
   std::vector<std::string> names = {"grab", "grab_box", "at_mm",       "points", "grab_label",
                                     "soft", "push",     "spare_fixed", "slide"};
   GivenSelection selection;
   for (const Field& field : fields(selection)) names.push_back(field.name());
-  Json keys = Json::object();
-  for (const auto& [name, value] : all.items()) {
+  Value keys = Value::table();
+  for (const auto& [name, value] : all.entries()) {
     if (std::find(names.begin(), names.end(), name) != names.end()) keys[name] = value;
   }
-  return keys.dump();
+  return keys;
 }
 
-HeldPart anchor_of(const GivenSelection& given, const Json& keys) {
+HeldPart anchor_of(const GivenSelection& given, const Value& keys) {
   HeldPart part;
   static_cast<GivenSelection&>(part.given) = given;
-  part.keys = keys.dump();
+  part.keys = keys;
   return part;
 }
 
 HeldPart anchor_of(const IndexBox& box) {
   GivenSelection given;
   given.corners = {Vec3d(box.lo), Vec3d(box.hi)};
-  const Json corners = {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z};
-  return anchor_of(given, {{"grab_box", corners}});
+  return anchor_of(given, {{"grab_box", box}});
 }
 
 /// As it is held, without what moved it.
-HeldPart handle_of(const GivenHandle& moved, const Json& keys) {
+HeldPart handle_of(const GivenHandle& moved, const Value& keys) {
   HeldPart part;
   static_cast<GivenSelection&>(part.given) = moved;
   part.given.by = Vec3d(0);
@@ -50,15 +49,16 @@ HeldPart handle_of(const GivenHandle& moved, const Json& keys) {
 
 void add_parts(const LiveSession::DoneStep& done, HeldParts& parts) {
   const SceneStep& step = done.step;
-  const Json keys = Json::parse(done.keys);
+  const Value& keys = done.keys;
   if (step.release) parts = {};
   for (std::size_t n = 0; n < step.handles.size(); ++n) {
     parts.handles.push_back(
-        handle_of(step.handles[n], keys.contains("handles") ? keys["handles"][n] : keys));
+        handle_of(step.handles[n], keys.contains("handles") ? keys["handles"].at(n) : keys));
   }
-  const Json anchors = keys.value("anchors", Json::array());
+  const Value& anchors = keys["anchors"];
   for (std::size_t n = 0; n < step.anchors.size(); ++n) {
-    parts.anchors.push_back(anchor_of(step.anchors[n], anchors.is_array() ? anchors[n] : anchors));
+    parts.anchors.push_back(
+        anchor_of(step.anchors[n], anchors.is_list() ? anchors.at(n) : anchors));
   }
   for (const IndexBox& box : step.fix) parts.anchors.push_back(anchor_of(box));
   parts.has_others = parts.has_others || !step.fix_labels.empty() || !step.fix_points.empty();
@@ -77,21 +77,18 @@ HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done) {
   return parts;
 }
 
-SceneStep step_that_keeps(const HeldParts& parts, std::string& keys) {
+SceneStep step_that_keeps(const HeldParts& parts, Value& keys) {
   SceneStep step;
   step.release = step.no_relax = true;
-  Json json = {{"release", true}, {"no_relax", true}};
+  keys = {{"release", true}, {"no_relax", true}};
   for (const HeldPart& part : parts.handles) {
     step.handles.push_back(part.given);
-    Json handle = Json::parse(part.keys);
-    handle["by"] = {0, 0, 0};
-    json["handles"].push_back(handle);
+    keys["handles"].push_back(part.keys)["by"] = {0, 0, 0};
   }
   for (const HeldPart& part : parts.anchors) {
     step.anchors.push_back(part.given);
-    json["anchors"].push_back(Json::parse(part.keys));
+    keys["anchors"].push_back(part.keys);
   }
-  keys = json.dump();
   return step;
 }
 

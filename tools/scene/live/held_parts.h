@@ -2,12 +2,13 @@
 #pragma once
 
 #include "tools/scene/live/live_session.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 struct HeldPart {
   GivenHandle given;  // of an anchor its selection alone
-  std::string keys;   // JSON: those of its selection, and how soft a handle is
+  Value keys;         // those of its selection, and how soft a handle is
 };
 
 struct HeldParts {
@@ -18,7 +19,7 @@ struct HeldParts {
 /// Since everything was let go of last. Drags of one stroke are one handle.
 HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done);
 
-/// A step that lets go of everything but these, which stay where they are. Sets `keys` to its JSON.
-SceneStep step_that_keeps(const HeldParts& parts, std::string& keys);
+/// A step that lets go of everything but these, which stay where they are. Sets `keys` to its keys.
+SceneStep step_that_keeps(const HeldParts& parts, Value& keys);
 
 }  // namespace supple::tools

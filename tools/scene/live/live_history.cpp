@@ -1,5 +1,4 @@
 // The part of a live session that takes steps back, makes them again, and takes out one of them.
-#include <nlohmann/json.hpp>
 
 #include "tools/scene/file/run_step.h"
 #include "tools/scene/live/live_session.h"
@@ -77,10 +76,8 @@ void LiveSession::take_out_cut(const LiveEvent& event, Progress* progress) {
   std::vector<DoneStep> steps = before;
   DoneStep& cutting = steps.front();
   cutting.step.cuts.erase(cutting.step.cuts.begin() + std::ptrdiff_t(place));
-  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(cutting.keys);
-  keys["cut"].erase(place);
-  if (cutting.step.cuts.empty()) keys.erase("cut");
-  cutting.keys = keys.dump();
+  cutting.keys["cut"].erase(place);
+  if (cutting.step.cuts.empty()) cutting.keys.erase("cut");
   if (cutting.step.does_nothing()) steps.erase(steps.begin());
   const std::vector<DoneStep> undone = m_undone;
   const auto take_back_to_it = [&] {

@@ -3,24 +3,22 @@
 #include <algorithm>
 #include <filesystem>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/scene/file/run_step.h"
 #include "tools/scene/live/held_parts.h"
 #include "tools/scene/live/live_record.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
-#include "volumes/base/json.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 namespace {
 
 /// As in a scene, not as records name them.
-nlohmann::ordered_json relax_keys(RelaxParams params) {
-  nlohmann::ordered_json keys;
+Value relax_keys(RelaxParams params) {
+  Value keys;
   for (const Field& field : fields(params)) {
-    keys[field.name()] = nlohmann::ordered_json::parse(json_text(field.value()));
+    keys[field.name()] = field.value();
   }
   return keys;
 }
@@ -63,8 +61,8 @@ void LiveSession::read_events(const Table& whole) {
   for (Table& table : root.tables("event")) {
     m_events.push_back(read_event(table, m_scene.label_names));
   }
-  for (LiveEvent& event : m_events) event.keys = with_absolute_paths(event.keys, root).dump();
-  const nlohmann::ordered_json file = with_absolute_paths(json_text(root.value()), root);
+  for (LiveEvent& event : m_events) event.keys = with_absolute_paths(event.keys, root);
+  const Value file = with_absolute_paths(root.value(), root);
   if (!m_events.empty() && !m_scene.steps.empty()) {
     throw InputError({m_scene.steps.front().place, "step", "a step beside events",
                       "events of a journal, or steps of a scene"});
@@ -73,7 +71,7 @@ void LiveSession::read_events(const Table& whole) {
     LiveEvent event;
     event.place = m_scene.steps[n].place;
     event.step = m_scene.steps[n];
-    event.keys = file["step"][n].dump();
+    event.keys = file["step"][n];
     m_events.push_back(std::move(event));
   }
 }
@@ -129,14 +127,10 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       take_out_cut(event, progress);
       break;
     case EventKind::cut:
-      run(event.kind, event.step,
-          nlohmann::ordered_json({{"cut", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
-          progress);
+      run(event.kind, event.step, {{"cut", Value::List{event.keys}}}, progress);
       break;
     case EventKind::anchor:
-      run(event.kind, event.step,
-          nlohmann::ordered_json({{"anchors", {nlohmann::ordered_json::parse(event.keys)}}}).dump(),
-          progress);
+      run(event.kind, event.step, {{"anchors", Value::List{event.keys}}}, progress);
       break;
     case EventKind::model:
       m_model.reset();
@@ -180,18 +174,18 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
     step.limits = m_limits;
   }
   check_step(step, m_session->geometry());
-  nlohmann::ordered_json handle = nlohmann::ordered_json::parse(m_grab->keys);
-  handle["by"] = {by.x, by.y, by.z};
+  Value handle = m_grab->keys;
+  handle["by"] = by;
   if (step.handles.front().push) handle["push"] = true;
-  nlohmann::ordered_json keys = {{"handles", {handle}}, {"no_relax", true}};
+  Value keys = {{"handles", Value::List{handle}}, {"no_relax", true}};
   if (step.shift_pieces) keys["shift_pieces"] = true;
   if (step.springs) {
-    keys.update(nlohmann::ordered_json::parse(m_model->keys));
+    keys.update(m_model->keys);
   } else if (m_limits != Limits::box) {
     keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
   }
   const Vec3d before = m_reached;
-  run(event.kind, step, keys.dump(), progress);
+  run(event.kind, step, keys, progress);
   const StepRecord& record = m_session->records().back();
   m_reached = before + way_done(record, by);
   const std::int64_t moved = m_led ? m_led->moved : 0;
@@ -219,7 +213,7 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     SceneStep step;
     step.place = event.place;
     step.release = true;
-    run(event.kind, step, nlohmann::ordered_json({{"release", true}}).dump(), progress);
+    run(event.kind, step, {{"release", true}}, progress);
   }
   if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, is_unsettled, progress);
   m_grab.reset();
@@ -234,7 +228,7 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   relaxation.place = event.place;
   relaxation.at_ms = event.at_ms;
   relaxation.step.relax = tissue_relaxation(m_session->material().relaxes_by_poisson);
-  relaxation.keys = relax_keys(*relaxation.step.relax).dump();
+  relaxation.keys = relax_keys(*relaxation.step.relax);
   m_relaxation = relaxation;
   m_pending = relaxation.step.relax->passes;
 }
@@ -262,18 +256,18 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
   }
   if (settles) settle_drags(progress);
   list.erase(list.begin() + number - 1);
-  std::string keys;
+  Value keys;
   SceneStep step = step_that_keeps(parts, keys);
   step.place = event.place;
   run(event.kind, step, keys, progress);
 }
 
-void LiveSession::run(EventKind kind, const SceneStep& step, const std::string& keys,
-                      Progress* progress) {
+void LiveSession::run(EventKind kind, const SceneStep& step, Value keys, Progress* progress) {
   run_step(*m_session, step, false, progress);
   m_undone.clear();
   m_undone_looks.clear();
-  m_done.push_back({kind, stroke_of(kind, step), ++m_order, step, keys, m_reached, m_reached});
+  m_done.push_back(
+      {kind, stroke_of(kind, step), ++m_order, step, std::move(keys), m_reached, m_reached});
 }
 
 /// Handles are held where the drags left them.
@@ -285,7 +279,7 @@ void LiveSession::settle_drags(Progress* progress) {
     event.keys = m_model->keys;
   } else {
     event.step.turn_pieces = true;
-    event.keys = nlohmann::ordered_json({{"turn_pieces", true}}).dump();
+    event.keys = {{"turn_pieces", true}};
   }
   run(event.kind, event.step, event.keys, progress);
   m_is_unsettled = false;
@@ -295,14 +289,11 @@ void LiveSession::settle_drags(Progress* progress) {
 void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) {
   LiveEvent slice = event;
   slice.step.relax->passes = std::min(passes, kSlicePasses);
-  nlohmann::ordered_json keys = nlohmann::ordered_json::parse(event.keys);
-  keys["passes"] = slice.step.relax->passes;
-  slice.keys = keys.dump();
+  slice.keys["passes"] = slice.step.relax->passes;
   SceneStep step;
   step.place = event.place;
   step.relax = slice.step.relax;
-  run(event.kind, step, nlohmann::ordered_json({{"relax", relax_keys(*slice.step.relax)}}).dump(),
-      progress);
+  run(event.kind, step, {{"relax", relax_keys(*slice.step.relax)}}, progress);
   const RelaxReport& done = m_session->records().back().relaxed;
   m_pending = done.end == RelaxEnd::passes ? passes - slice.step.relax->passes : 0;
   record(slice);
@@ -310,8 +301,8 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
   double& budget = m_relaxation->step.relax->budget_million;
   if (budget <= 0) return;
   budget -= done.looked_at_million;
-  keys["budget"] = budget;
-  m_relaxation->keys = keys.dump();
+  m_relaxation->keys = slice.keys;
+  m_relaxation->keys["budget"] = budget;
 }
 
 void LiveSession::go_on(Progress* progress) {

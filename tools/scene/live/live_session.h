@@ -12,6 +12,7 @@
 
 #include "lib/session/session.h"
 #include "tools/scene/file/live_event.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -48,9 +49,9 @@ class LiveSession {
   /// The look that a session begins with whose file has none, as if the file had it.
   void begin_with_look(const std::string& preset);
 
-  /// Gets every event that is carried out from now on, as JSON of the keys that a journal has; one
-  /// that replaces the last says all that that one did.
-  using Recorder = std::function<void(const std::string& keys, bool replaces_last)>;
+  /// Gets every event that is carried out from now on, with the keys that a journal has; one that
+  /// replaces the last says all that that one did.
+  using Recorder = std::function<void(const Value& keys, bool replaces_last)>;
   void record_with(Recorder recorder) { m_recorder = std::move(recorder); }
 
   /// A step of the session, and where its handle had been before. Steps of one stroke, drags
@@ -60,19 +61,19 @@ class LiveSession {
     int stroke;
     int order;  // among steps, looks and clips
     SceneStep step;
-    std::string keys;  // JSON, of a [[step]]
+    Value keys;  // of a [[step]]
     Vec3d reached_before;
     Vec3d reached;
   };
   const std::vector<DoneStep>& done() const { return m_done; }
   /// The last is redone first.
   const std::vector<DoneStep>& undone() const { return m_undone; }
-  /// A look or clips, and what they replaced: JSON of that part of the view.
+  /// A look or clips, and what they replaced: keys of that part of the view.
   struct DoneLook {
     EventKind kind;
     int order;
     double at_ms;
-    std::string before, after;
+    Value before, after;
   };
   const std::vector<DoneLook>& looks() const { return m_looks; }
   const std::vector<DoneLook>& undone_looks() const { return m_undone_looks; }
@@ -94,9 +95,9 @@ class LiveSession {
   StepModel model() const;
 
   /// What was carried out, as a file that replays to the same state.
-  std::string journal() const;
+  Value journal() const;
   /// The steps that are not taken back, as a scene that `supple run` brings to the same state.
-  std::string batch_scene() const;
+  Value batch_scene() const;
 
  private:
   void read_head(const Table& root);
@@ -108,7 +109,7 @@ class LiveSession {
   void release(const LiveEvent& event, Progress* progress);
   void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);
   void take_out_cut(const LiveEvent& event, Progress* progress);
-  void run(EventKind kind, const SceneStep& step, const std::string& keys, Progress* progress);
+  void run(EventKind kind, const SceneStep& step, Value keys, Progress* progress);
   void settle_drags(Progress* progress);
   int stroke_of(EventKind kind, const SceneStep& step);
   bool take_back();
@@ -118,21 +119,21 @@ class LiveSession {
   void relax(const LiveEvent& event, int passes, Progress* progress);
   void record(const LiveEvent& event, bool replaces_last = false);
   void change_view(const LiveEvent& event);
-  void set_part_of_view(EventKind kind, const std::string& part, const std::string& place);
+  void set_part_of_view(EventKind kind, const Value& part, const std::string& place);
   bool take_look_back();
   bool make_look_again();
 
   Scene m_scene;
   Table::Admits m_admits;  // asks before files are read that events name
-  std::string m_head;      // JSON: the file without steps, events and outputs, paths absolute
+  Value m_head;            // the file without steps, events and outputs, paths absolute
   std::vector<LiveEvent> m_events;
-  std::vector<std::string> m_carried_out;  // JSON
+  std::vector<Value> m_carried_out;
   EventKind m_last_recorded = EventKind::step;
   Recorder m_recorder;
   std::unique_ptr<Session> m_session;
   bool m_is_state_anchored = false;  // the opened state fixes elements
   SceneView m_view;
-  std::string m_view_keys, m_first_view_keys;  // JSON; the latter as opened
+  Value m_view_keys, m_first_view_keys;  // the latter as opened
   std::optional<LiveEvent> m_grab;
   std::optional<LiveEvent> m_model;     // of springs or finite elements
   int m_stroke = 0, m_grab_stroke = 0;  // the last number of all; of the drags since the grab

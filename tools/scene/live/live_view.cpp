@@ -1,10 +1,9 @@
 // How a live session is looked at: the view that a file begins with, and the events that change it.
 #include "tools/scene/live/live_view.h"
 
-#include "tools/scene/file/json.h"
 #include "tools/scene/live/live_record.h"
 #include "tools/scene/run/view_pictures.h"
-#include "volumes/base/json.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -25,12 +24,12 @@ std::vector<const char*> keys_of(EventKind kind) {
   return {kind == EventKind::clip ? "clip" : "camera"};
 }
 
-std::string part_of(const Json& view, EventKind kind) {
-  Json part = Json::object();
+Value part_of(const Value& view, EventKind kind) {
+  Value part = Value::table();
   for (const char* key : keys_of(kind)) {
     if (view.contains(key)) part[key] = view[key];
   }
-  return part.dump();
+  return part;
 }
 
 }  // namespace
@@ -56,14 +55,14 @@ void LiveSession::choose_view(const Table& root, Progress* progress) {
   if (shown != nullptr) {
     const auto number = std::size_t(shown - views.data());
     m_view = *shown;
-    m_view_keys = with_absolute_paths(json_text(root.value()), root)["view"][number].dump();
+    m_view_keys = with_absolute_paths(root.value(), root)["view"][number];
     if (views.size() > 1) {
       note(progress, "of " + std::to_string(views.size()) + " views number " +
                          std::to_string(number + 1) +
                          " is shown, of the volume in space: " + m_view.image);
     }
   } else {
-    m_view_keys = Json({{"image", kNoPicture}}).dump();
+    m_view_keys = {{"image", kNoPicture}};
     if (!views.empty())
       note(progress, "no view draws the volume in space: a look of its own is shown");
   }
@@ -72,18 +71,18 @@ void LiveSession::choose_view(const Table& root, Progress* progress) {
 }
 
 void LiveSession::begin_with_look(const std::string& preset) {
-  const Json given = Json::parse(m_first_view_keys);
+  const Value& given = m_first_view_keys;
   if (given.contains("preset") || given.contains("transfer")) return;
-  set_part_of_view(EventKind::look, Json({{"preset", preset}}).dump(), "");
+  set_part_of_view(EventKind::look, {{"preset", preset}}, "");
   m_first_view_keys = m_view_keys;
 }
 
 /// Of cameras in a row the last says it all, and of looks or clips the last of one step.
 void LiveSession::change_view(const LiveEvent& event) {
-  const std::string before = part_of(Json::parse(m_view_keys), event.kind);
+  const Value before = part_of(m_view_keys, event.kind);
   set_part_of_view(event.kind, event.keys, event.place);
   LiveEvent carried_out = event;
-  carried_out.keys = part_of(Json::parse(m_view_keys), event.kind);
+  carried_out.keys = part_of(m_view_keys, event.kind);
   const bool follows_its_kind = event.kind == m_last_recorded;
   if (event.kind == EventKind::camera) return record(carried_out, follows_its_kind);
   m_undone_looks.clear();
@@ -99,21 +98,19 @@ void LiveSession::change_view(const LiveEvent& event) {
   record(carried_out, goes_on && follows_its_kind);
 }
 
-void LiveSession::set_part_of_view(EventKind kind, const std::string& part,
-                                   const std::string& place) {
-  Json keys = Json::parse(m_view_keys);
+void LiveSession::set_part_of_view(EventKind kind, const Value& part, const std::string& place) {
+  Value keys = m_view_keys;
   for (const char* key : keys_of(kind)) keys.erase(key);
-  keys.update(Json::parse(part));
-  const std::string text = toml_document(Json({{"view", keys}}).dump());
-  // Files of the view lie beside the journal; carry_out() names the event, not a line of this text.
-  Table root = Table::parse(text, place);
+  keys.update(part);
+  // Files of the view lie beside the journal; carry_out() names the event, not a line of the view.
+  Table root({{"view", keys}}, place);
   root.admit_inputs(m_admits);
   Table table = *root.table("view");
   SceneView view = read_view(table, 0);
   check_view(view);
   view.size = m_view.size;
   m_view = std::move(view);
-  m_view_keys = with_absolute_paths(keys.dump(), root).dump();
+  m_view_keys = with_absolute_paths(std::move(keys), root);
 }
 
 bool LiveSession::take_look_back() {

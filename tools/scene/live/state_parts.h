@@ -4,9 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "lib/session/cut_surface.h"
+#include "volumes/base/value.h"
 #include "volumes/state/state.h"
 
 namespace supple::tools {
@@ -15,10 +14,10 @@ namespace supple::tools {
 /// tissue was led by, but nothing holds it there any more.
 struct StateParts {
   struct Cut {
-    nlohmann::ordered_json keys;
+    Value keys;
     std::optional<CutSurface> surface;  // of a patch or a curve
   };
-  std::vector<nlohmann::ordered_json> handles, anchors;
+  std::vector<Value> handles, anchors;
   std::vector<Cut> cuts;
 };
 /// A record of another form than this program writes gives no handles and cuts.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tools/scene/file/json.h"
+#include "volumes/base/json.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {
@@ -21,36 +21,35 @@ std::string mm_text(double mm) {
 }
 
 /// Numbers of a list, separated by commas.
-std::string list_text(const Json& list) {
+std::string list_text(const Value& list) {
   std::string text;
-  for (const Json& value : list) text += (text.empty() ? "" : ", ") + value.dump();
+  for (const Value& value : list.items()) text += (text.empty() ? "" : ", ") + json_text(value);
   return text;
 }
 
-const Json& first_handle(const Json& keys) {
+const Value& first_handle(const Value& keys) {
   const bool has_list = keys.contains("handles") && !keys["handles"].empty();
   return has_list ? keys["handles"].front() : keys;
 }
 
 std::string drag_text(const LiveSession::DoneStep& first, const Vec3d& way) {
-  const Json keys = Json::parse(first.keys);
   const bool is_push = first.step.handles.front().push;
   const std::size_t handles = first.step.handles.size();
   std::string text = std::string(is_push ? "push " : "drag ") + mm_text(std::sqrt(way.dot(way)));
   if (handles > 1) return text + ", " + std::to_string(handles) + " handles";
-  text += " at " + place_text(first_handle(keys));
+  text += " at " + place_text(first_handle(first.keys));
   return first.step.springs ? text + " by springs" : text;
 }
 
 std::string cut_text(const LiveSession::DoneStep& done) {
   const std::size_t cuts = done.step.cuts.size();
   if (cuts != 1) return std::to_string(cuts) + " cuts";
-  const Json cut = Json::parse(done.keys).value("cut", Json::array());
-  if (!cut.is_array() || cut.size() != 1) return "cut";
-  const Json::const_iterator shape = cut.front().begin();
-  const bool has_points = shape->is_object() && shape->contains("points");
-  if (!has_points || !(*shape)["points"].is_array()) return "cut by a " + shape.key();
-  return "cut along " + std::to_string((*shape)["points"].size()) + " points";
+  const Value& cut = done.keys["cut"];
+  if (!cut.is_list() || cut.size() != 1) return "cut";
+  const auto& [shape, keys] = cut.front().entries().front();
+  const Value& points = keys["points"];
+  return points.is_list() ? "cut along " + std::to_string(points.size()) + " points"
+                          : "cut by a " + shape;
 }
 
 std::string release_text(const SceneStep& step) {
@@ -67,10 +66,9 @@ int relaxation_passes(const std::vector<const LiveSession::DoneStep*>& stroke) {
 }
 
 std::string anchor_text(const LiveSession::DoneStep& done) {
-  const Json keys = Json::parse(done.keys);
-  const Json anchors = keys.value("anchors", Json::array());
-  if (anchors.is_array() && anchors.size() == 1) return "anchor at " + place_text(anchors.front());
-  return anchors.is_object() ? "anchor at " + place_text(anchors) : "anchors";
+  const Value& anchors = done.keys["anchors"];
+  if (anchors.is_list() && anchors.size() == 1) return "anchor at " + place_text(anchors.front());
+  return anchors.is_table() ? "anchor at " + place_text(anchors) : "anchors";
 }
 
 /// Of a step of a scene, by what it does first.
@@ -95,8 +93,8 @@ std::string scene_step_text(const LiveSession::DoneStep& done) {
 }
 
 std::string material_text(const LiveSession::DoneStep& done) {
-  const Json material = Json::parse(done.keys).value("material", Json::object());
-  return material.contains("preset") ? "material " + material["preset"].get<std::string>()
+  const Value& material = done.keys["material"];
+  return material.contains("preset") ? "material " + material["preset"].text()
                                      : std::string("material table");
 }
 
@@ -135,17 +133,17 @@ std::vector<History::Entry> entries_of(const Steps& steps, const Looks& looks, b
 
 }  // namespace
 
-std::string place_text(const Json& keys) {
+std::string place_text(const Value& keys) {
   const std::vector<std::pair<const char*, const char*>> words = {
       {"grab", ""},         {"grab_ball", ""},        {"at_mm", "LPS mm "},
       {"grab_box", "box "}, {"grab_label", "label "}, {"grab_density", "densities "},
       {"piece_at", ""},     {"rigid_at", ""}};
   for (const auto& [key, before] : words) {
     if (!keys.contains(key)) continue;
-    const Json& value = keys[key];
-    return before + (value.is_array()    ? list_text(value)
-                     : value.is_string() ? value.get<std::string>()
-                                         : value.dump());
+    const Value& value = keys[key];
+    return before + (value.is_list()   ? list_text(value)
+                     : value.is_text() ? value.text()
+                                       : json_text(value));
   }
   return keys.contains("points") ? "points" : "a part of the body";
 }
@@ -178,12 +176,11 @@ std::string step_text(const Stroke& stroke) {
 }
 
 std::string look_text(const LiveSession::DoneLook& look) {
-  const Json after = Json::parse(look.after);
   if (look.kind == EventKind::clip) {
-    const std::size_t clips = after.value("clip", Json::array()).size();
+    const std::size_t clips = look.after["clip"].size();
     return clips == 0 ? "no clips" : with_count(std::int64_t(clips), "clip");
   }
-  const std::string preset = after.value("preset", "");
+  const std::string preset = look.after["preset"].text_or("");
   return preset.empty() ? "look of its own" : "look " + preset;
 }
 

@@ -1,14 +1,13 @@
 // What steps did, in the words of a history: kind, millimetres and place.
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "tools/scene/live/live_session.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 /// Words for the selection that an event or a step's entry names: "128, 242, 26", "label 3".
-std::string place_text(const nlohmann::ordered_json& keys);
+std::string place_text(const Value& keys);
 
 /// One line about the steps of a stroke, first to last, which are undone together.
 std::string step_text(const std::vector<const LiveSession::DoneStep*>& stroke);

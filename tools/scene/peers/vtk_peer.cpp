@@ -4,16 +4,9 @@
 #include <fstream>
 
 #include "tools/scene/peers/vtk_frame.h"
+#include "volumes/base/json.h"
 
 namespace supple::tools {
-
-namespace {
-
-nlohmann::json to_json(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-
-}  // namespace
 
 bool VtkPeer::is_installed() {
   return VirtualDisplay::is_installed() &&
@@ -28,41 +21,41 @@ VtkPeer::VtkPeer(const VirtualDisplay& display, const Progress* progress) : m_pr
   m_process->read_line(m_progress);
 }
 
-void VtkPeer::open(const nlohmann::json& job) {
-  m_height = job.at("size").at(1);
-  std::ofstream(m_scratch / "job.json") << job;
+void VtkPeer::open(const Value& job) {
+  m_height = int(job.at("size").at(1).whole());
+  std::ofstream(m_scratch / "job.json") << json_text(job);
   m_process->ask(m_scratch / "job.json", m_progress);
 }
 
 VtkAnswer VtkPeer::draw(const VtkPicture& picture) {
-  nlohmann::json request = {{"step", picture.step_mm},
-                            {"shade", picture.is_shaded},
-                            {"fresh", picture.is_fresh},
-                            {"image", nullptr}};
+  Value request = {{"step", picture.step_mm},
+                   {"shade", picture.is_shaded},
+                   {"fresh", picture.is_fresh},
+                   {"image", nullptr}};
   if (!picture.image.empty()) request["image"] = picture.image;
-  const auto answer = nlohmann::json::parse(m_process->ask(request.dump(), m_progress));
-  const double growth =
-      answer.at("peak_mbytes").get<double>() - answer.at("base_mbytes").get<double>();
-  const std::array<int, 2> origin = answer.at("cast_origin"), size = answer.at("cast_size");
-  const int bottom = m_height - origin[1];
-  return {answer.at("frame_ms"),
-          answer.at("cast_ms"),
+  const Value answer = parse_json(m_process->ask(json_text(request), m_progress));
+  const double growth = answer.at("peak_mbytes").number() - answer.at("base_mbytes").number();
+  const auto pixel = [&](const char* key, std::size_t axis) {
+    return int(answer.at(key).at(axis).whole());
+  };
+  const int left = pixel("cast_origin", 0), bottom = m_height - pixel("cast_origin", 1);
+  return {answer.at("frame_ms").number(),
+          answer.at("cast_ms").number(),
           growth,
-          {origin[0], bottom - size[1], origin[0] + size[0], bottom}};
+          {left, bottom - pixel("cast_size", 1), left + pixel("cast_size", 0), bottom}};
 }
 
-nlohmann::json vtk_job(const std::string& volume, const Camera& camera,
-                       const TransferFunction& function, const RenderSettings& settings,
-                       int threads, bool is_transparent) {
-  nlohmann::json opacity, colour, lights, height;
+Value vtk_job(const std::string& volume, const Camera& camera, const TransferFunction& function,
+              const RenderSettings& settings, int threads, bool is_transparent) {
+  Value opacity, colour, lights, height;
   for (const OpacityKey& key : function.opacity) opacity.push_back({key.density, key.opacity});
   for (const ColourKey& key : function.colour) {
-    colour.push_back({key.density, nlohmann::json(key.rgb)});
+    colour.push_back({key.density, key.rgb});
   }
   std::vector<Light> given = settings.lighting.lights;
   if (given.empty()) given.emplace_back();
   for (const Light& light : given) {
-    lights.push_back({{"direction", to_json(light.direction)},
+    lights.push_back({{"direction", light.direction},
                       {"of_camera", light.is_of_camera},
                       {"rgb", light.rgb},
                       {"intensity", light.intensity}});
@@ -76,9 +69,9 @@ nlohmann::json vtk_job(const std::string& volume, const Camera& camera,
           {"diffuse", function.diffuse},
           {"specular", function.specular},
           {"specular_power", function.specular_power},
-          {"position", to_json(camera.position_lps_mm)},
-          {"target", to_json(camera.target_lps_mm)},
-          {"up", to_json(camera.up_lps)},
+          {"position", camera.position_lps_mm},
+          {"target", camera.target_lps_mm},
+          {"up", camera.up_lps},
           {"fov", camera.vertical_fov_degrees},
           {"height", height},
           {"lights", lights},

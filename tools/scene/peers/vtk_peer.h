@@ -4,10 +4,9 @@
 #include <memory>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "raycast/render.h"
 #include "tools/scene/peers/peer_process.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -40,7 +39,7 @@ class VtkPeer {
   explicit VtkPeer(const VirtualDisplay& display, const Progress* progress = nullptr);
 
   /// Reads the volume of a job as vtk_job() makes it.
-  void open(const nlohmann::json& job);
+  void open(const Value& job);
   VtkAnswer draw(const VtkPicture& picture);
   ProcessCost finish() { return m_process->finish(); }
 
@@ -53,8 +52,7 @@ class VtkPeer {
 
 /// A view of the volume in a MetaImage file whose axes are those of the world, as VtkPeer draws it.
 /// Of the settings it takes the size and the lights. On black, unless it is transparent.
-nlohmann::json vtk_job(const std::string& volume, const Camera& camera,
-                       const TransferFunction& function, const RenderSettings& settings,
-                       int threads, bool is_transparent = false);
+Value vtk_job(const std::string& volume, const Camera& camera, const TransferFunction& function,
+              const RenderSettings& settings, int threads, bool is_transparent = false);
 
 }  // namespace supple::tools

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -70,9 +70,9 @@ std::string text_of_plan(const ScenePlan& plan) {
   return text + plan.costs + "\n";
 }
 
-nlohmann::ordered_json to_json(const ScenePlan& plan) {
-  nlohmann::ordered_json json;
-  json["rows"] = nlohmann::ordered_json::array();
+Value to_value(const ScenePlan& plan) {
+  Value json;
+  json["rows"] = Value::list();
   for (const PlanRow& row : plan.rows) {
     json["rows"].push_back({{"stage", row.stage},
                             {"what", row.what},
@@ -81,7 +81,7 @@ nlohmann::ordered_json to_json(const ScenePlan& plan) {
                             {"brief_mb", rounded(row.brief_mb, 1e-3)},
                             {"seconds", rounded(row.seconds, 1e-6)}});
   }
-  json["not"] = nlohmann::ordered_json::array();
+  json["not"] = Value::list();
   for (const PlanGap& gap : plan.gaps)
     json["not"].push_back({{"what", gap.what}, {"why", gap.why}});
   json["peak_mb"] = rounded(plan.peak_mb, 1e-3);
@@ -99,7 +99,7 @@ std::string outcome_text(const ScenePlan& plan, const PlanOutcome& outcome) {
   return text;
 }
 
-nlohmann::ordered_json outcome_json(const ScenePlan& plan, const PlanOutcome& outcome) {
+Value outcome_json(const ScenePlan& plan, const PlanOutcome& outcome) {
   return {{"peak_mb", rounded(plan.peak_mb, 1e-3)},
           {"seconds", rounded(plan.seconds, 1e-6)},
           {"was_peak_mb", outcome.peak_mb},

@@ -3,15 +3,14 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "tools/scene/plan/scene_plan.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 /// Stage, what, why, memory and time of every row; what is left out; the sums.
 std::string text_of_plan(const ScenePlan& plan);
-nlohmann::ordered_json to_json(const ScenePlan& plan);
+Value to_value(const ScenePlan& plan);
 
 /// What came of a plan.
 struct PlanOutcome {
@@ -21,6 +20,6 @@ struct PlanOutcome {
 };
 /// "planned …, took …" of peak memory and time.
 std::string outcome_text(const ScenePlan& plan, const PlanOutcome& outcome);
-nlohmann::ordered_json outcome_json(const ScenePlan& plan, const PlanOutcome& outcome);
+Value outcome_json(const ScenePlan& plan, const PlanOutcome& outcome);
 
 }  // namespace supple::tools

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "lib/material/toml_string.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/base/table.h"
 
 namespace supple::tools {
@@ -71,7 +71,7 @@ void write_costs(const std::string& path, const UnitCosts& costs) {
       "# What a unit of work costs on this machine, in ns (supple bench --calibrate).\n";
   for (const Field& field : fields(written)) {
     const std::string value =
-        field.holds<std::string>() ? toml_string(written.measured) : field.text();
+        field.holds<std::string>() ? json_string(written.measured) : field.text();
     text += field.name() + " = " + value + "\n";
   }
   std::error_code failed;

@@ -5,12 +5,12 @@
 #include <fstream>
 #include <regex>
 
-#include <nlohmann/json.hpp>
-
 #include "tools/scene/run/scene_files.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/base/sha256.h"
+#include "volumes/base/text_file.h"
 #include "volumes/base/version.h"
 
 namespace supple::tools {
@@ -94,10 +94,9 @@ void leave_out_made(Scene& scene, const std::string& folder) {
   }
   if (missing.size() < film.frames_to_make.size()) {
     const std::string path = film_record_path(scene, folder);
-    std::ifstream file(path);
-    const auto record = nlohmann::json::parse(file, nullptr, false);
-    const bool has_record = record.is_object() && record.contains("scene");
-    if (!has_record || record["scene"] != identity_of(scene)) {
+    const Value record = json_or_null(text_of_file(path));
+    const bool has_record = record.contains("scene");
+    if (record["scene"] != Value(identity_of(scene))) {
       throw InputError({path, "scene", has_record ? "frames of another scene or version" : "none",
                         "the scene that made the frames; --force makes all anew"});
     }
@@ -118,11 +117,11 @@ std::string film_record_path(const Scene& scene, const std::string& folder) {
 
 void write_film_record(const Scene& scene, const std::string& folder) {
   const std::string path = film_record_path(scene, folder);
-  const nlohmann::ordered_json record = {{"program", std::string("supple ") + kVersion},
-                                         {"scene", identity_of(scene)},
-                                         {"frames", scene.film->frames}};
+  const Value record = {{"program", std::string("supple ") + kVersion},
+                        {"scene", identity_of(scene)},
+                        {"frames", scene.film->frames}};
   AtomicFile file(path);
-  std::ofstream(file.path()) << record.dump(2) << "\n";
+  std::ofstream(file.path()) << json_text(record, 2) << "\n";
   file.commit();
 }
 

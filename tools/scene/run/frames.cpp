@@ -1,7 +1,5 @@
 #include "tools/scene/run/frames.h"
 
-#include <nlohmann/json.hpp>
-
 #include "raycast/motion.h"
 #include "raycast/scene/camera_path.h"
 #include "raycast/scene/framing.h"
@@ -9,6 +7,7 @@
 #include "tools/scene/run/overlay_paint.h"
 #include "tools/scene/run/staging.h"
 #include "tools/scene/run/view_record.h"
+#include "volumes/base/value.h"
 #include "volumes/field/cuts/cut_offsets.h"
 
 namespace supple::tools {
@@ -299,7 +298,7 @@ class ViewDrawing {
   }
 
   std::string describe(const SceneView& frame, int n, double fraction) const {
-    nlohmann::ordered_json more = nlohmann::ordered_json::object();
+    Value more = Value::table();
     if (m_options.stereo != StereoMode::none) {
       more["stereo"] = m_options.stereo == StereoMode::anaglyph ? "anaglyph" : "side-by-side";
       more["eye_separation"] = m_options.eye_separation_mm;

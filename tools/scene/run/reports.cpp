@@ -1,18 +1,10 @@
 #include "tools/scene/run/reports.h"
 
-#include <nlohmann/json.hpp>
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
-nlohmann::ordered_json vector_json(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-
-nlohmann::ordered_json to_json(const InversionCertificate& certificate) {
-  return nlohmann::ordered_json::parse(certificate_json(certificate));
-}
-
-nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links) {
+Value to_value(const BallReport& report, std::int64_t cut_links) {
   return {{"limits", "ball"},
           {"moved", report.moved},
           {"cut_links", cut_links},
@@ -27,19 +19,19 @@ nlohmann::ordered_json to_json(const BallReport& report, std::int64_t cut_links)
 
 namespace {
 
-nlohmann::ordered_json to_json(const ModelEnergy& energy) {
+Value to_value(const ModelEnergy& energy) {
   return {{"elastic", energy.elastic_j},
           {"kinetic", energy.kinetic_j},
           {"gravity", energy.gravity_j},
           {"total", energy.total_j()}};
 }
 
-nlohmann::ordered_json to_json(const SpringRecord& record) {
-  nlohmann::ordered_json json = {{"steps", record.steps},
-                                 {"nodes", record.nodes},
-                                 {"springs", record.springs},
-                                 {"energy_before_j", to_json(record.before)},
-                                 {"energy_after_j", to_json(record.after)}};
+Value to_value(const SpringRecord& record) {
+  Value json = {{"steps", record.steps},
+                {"nodes", record.nodes},
+                {"springs", record.springs},
+                {"energy_before_j", to_value(record.before)},
+                {"energy_after_j", to_value(record.after)}};
   if (record.residual_mn) json["residual_mn"] = *record.residual_mn;
   if (record.motion) {
     json["substeps"] = record.motion->substeps;
@@ -55,13 +47,13 @@ nlohmann::ordered_json to_json(const SpringRecord& record) {
   return json;
 }
 
-nlohmann::ordered_json to_json(const ModesRecord& record) {
+Value to_value(const ModesRecord& record) {
   const ModesReport& report = record.report;
-  nlohmann::ordered_json modes = nlohmann::ordered_json::array();
+  Value modes = Value::list();
   for (const ModeRow& mode : record.modes) {
     modes.push_back({{"frequency_hz", mode.frequency_hz},
-                     {"participation_kg_half", vector_json(mode.participation_kg_half)},
-                     {"effective_mass_kg", vector_json(mode.effective_mass_kg)},
+                     {"participation_kg_half", mode.participation_kg_half},
+                     {"effective_mass_kg", mode.effective_mass_kg},
                      {"residual", mode.residual}});
   }
   return {{"modes", std::move(modes)},
@@ -84,70 +76,70 @@ nlohmann::ordered_json to_json(const ModesRecord& record) {
           {"modes_ms", report.milliseconds}};
 }
 
-nlohmann::ordered_json to_json(const MotionRecord& record) {
+Value to_value(const MotionRecord& record) {
   const MotionSample& end = record.samples.back();
   double largest_mm = 0, kinetic_mj = 0;
   for (const MotionSample& sample : record.samples) {
     largest_mm = std::max(largest_mm, sample.largest_mm);
     kinetic_mj = std::max(kinetic_mj, sample.energy.kinetic_mj);
   }
-  nlohmann::ordered_json json = {{"steps", record.steps},
-                                 {"step_s", record.step_s},
-                                 {"elastic_mj", end.energy.elastic_mj},
-                                 {"kinetic_mj", end.energy.kinetic_mj},
-                                 {"work_mj", end.energy.work_mj},
-                                 {"dissipated_mj", end.energy.dissipated_mj},
-                                 {"largest_kinetic_mj", kinetic_mj},
-                                 {"energy_error", record.energy_error},
-                                 {"largest_mm", largest_mm}};
-  for (const Vec3d& u : end.watched_mm) json["watched_mm"].push_back(vector_json(u));
+  Value json = {{"steps", record.steps},
+                {"step_s", record.step_s},
+                {"elastic_mj", end.energy.elastic_mj},
+                {"kinetic_mj", end.energy.kinetic_mj},
+                {"work_mj", end.energy.work_mj},
+                {"dissipated_mj", end.energy.dissipated_mj},
+                {"largest_kinetic_mj", kinetic_mj},
+                {"energy_error", record.energy_error},
+                {"largest_mm", largest_mm}};
+  for (const Vec3d& u : end.watched_mm) json["watched_mm"].push_back(u);
   return json;
 }
 
-nlohmann::ordered_json to_json(const FemRecord& record) {
+Value to_value(const FemRecord& record) {
   const FemReport& report = record.report;
-  nlohmann::ordered_json json = {{"elements", report.elements},
-                                 {"nodes", report.nodes},
-                                 {"unknowns", report.unknowns},
-                                 {"levels", report.levels},
-                                 {"iterations", report.iterations},
-                                 {"residual_max", report.residual_max},
-                                 {"residual_rms", report.residual_rms},
-                                 {"largest_force_n", report.largest_force_n},
-                                 {"force_balance", report.force_balance},
-                                 {"energy_identity", report.energy_identity},
-                                 {"energy_mj", report.energy_mj},
-                                 {"reaction_change", report.reaction_change},
-                                 {"islands", report.islands},
-                                 {"loose_islands", report.loose_islands},
-                                 {"loose_elements", report.loose_elements},
-                                 {"largest_rotation_deg", report.largest_rotation_deg},
-                                 {"largest_strain", report.largest_strain},
-                                 {"beyond_linear", report.beyond_linear},
-                                 {"beyond_elements", report.beyond_elements},
-                                 {"turned_voxel", vector_json(Vec3d(report.turned))},
-                                 {"strained_voxel", vector_json(Vec3d(report.strained))},
-                                 {"bytes", report.bytes},
-                                 {"anchor_force_n", vector_json(record.anchors.force_n)},
-                                 {"anchor_moment_nmm", vector_json(record.anchors.moment_nmm)},
-                                 {"links", record.links.links},
-                                 {"violated", record.links.violated},
-                                 {"worst_excess_voxels", record.links.worst_excess_voxels},
-                                 {"setup_ms", report.setup_ms},
-                                 {"solve_ms", report.solve_ms},
-                                 {"fem_ms", record.milliseconds}};
+  Value json = {{"elements", report.elements},
+                {"nodes", report.nodes},
+                {"unknowns", report.unknowns},
+                {"levels", report.levels},
+                {"iterations", report.iterations},
+                {"residual_max", report.residual_max},
+                {"residual_rms", report.residual_rms},
+                {"largest_force_n", report.largest_force_n},
+                {"force_balance", report.force_balance},
+                {"energy_identity", report.energy_identity},
+                {"energy_mj", report.energy_mj},
+                {"reaction_change", report.reaction_change},
+                {"islands", report.islands},
+                {"loose_islands", report.loose_islands},
+                {"loose_elements", report.loose_elements},
+                {"largest_rotation_deg", report.largest_rotation_deg},
+                {"largest_strain", report.largest_strain},
+                {"beyond_linear", report.beyond_linear},
+                {"beyond_elements", report.beyond_elements},
+                {"turned_voxel", Vec3d(report.turned)},
+                {"strained_voxel", Vec3d(report.strained)},
+                {"bytes", report.bytes},
+                {"anchor_force_n", record.anchors.force_n},
+                {"anchor_moment_nmm", record.anchors.moment_nmm},
+                {"links", record.links.links},
+                {"violated", record.links.violated},
+                {"worst_excess_voxels", record.links.worst_excess_voxels},
+                {"setup_ms", report.setup_ms},
+                {"solve_ms", report.solve_ms},
+                {"fem_ms", record.milliseconds}};
   if (record.motion) {
     for (const char* of_equilibria :
          {"residual_rms", "largest_force_n", "force_balance", "energy_identity", "energy_mj",
           "reaction_change", "setup_ms", "solve_ms"}) {
       json.erase(of_equilibria);
     }
-    json["motion"] = to_json(*record.motion);
+    json["motion"] = to_value(*record.motion);
   }
   for (const SharedHandle& shared : record.shared) {
     json["shared_handles"].push_back({{"grab", shared.name},
-                                      {"asked_mm", vector_json(shared.asked_mm)},
-                                      {"reached_mm", vector_json(shared.reached_mm)},
+                                      {"asked_mm", shared.asked_mm},
+                                      {"reached_mm", shared.reached_mm},
                                       {"off_voxels", shared.off_voxels}});
   }
   if (report.newton) {
@@ -163,7 +155,7 @@ nlohmann::ordered_json to_json(const FemRecord& record) {
     json["fitted_max_voxels"] = record.fitted_max_voxels;
   }
   for (const StrainGauge& gauge : record.gauges) {
-    nlohmann::ordered_json row = {{"label", gauge.label}, {"elements", gauge.elements}};
+    Value row = {{"label", gauge.label}, {"elements", gauge.elements}};
     for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
       row[std::string(kFemQuantities[n].second)] = gauge.mean[n];
     }
@@ -172,7 +164,7 @@ nlohmann::ordered_json to_json(const FemRecord& record) {
   return json;
 }
 
-nlohmann::ordered_json to_json(const CellVolumes& volumes) {
+Value to_value(const CellVolumes& volumes) {
   return {{"cells", volumes.cells},
           {"rest_mm3", volumes.rest_mm3},
           {"mm3", volumes.total_mm3},
@@ -181,19 +173,19 @@ nlohmann::ordered_json to_json(const CellVolumes& volumes) {
           {"largest_cell_ratio", volumes.largest}};
 }
 
-nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& report) {
-  nlohmann::ordered_json json = {{"method", name_of(params.method)},
-                                 {"passes", report.passes},
-                                 {"converged", report.converged},
-                                 {"ended_by", name_of(report.end)},
-                                 {"energy_before_uj", report.energy_before},
-                                 {"energy_after_uj", report.energy_after},
-                                 {"largest_step_voxels", report.largest_step_voxels},
-                                 {"yielded_links", report.yielded_links},
-                                 {"projected", report.projected_links},
-                                 {"projected_max_voxels", report.projected_max_voxels},
-                                 {"projected_held", report.projected_held},
-                                 {"relax_ms", report.milliseconds}};
+Value to_value(const RelaxParams& params, const RelaxReport& report) {
+  Value json = {{"method", name_of(params.method)},
+                {"passes", report.passes},
+                {"converged", report.converged},
+                {"ended_by", name_of(report.end)},
+                {"energy_before_uj", report.energy_before},
+                {"energy_after_uj", report.energy_after},
+                {"largest_step_voxels", report.largest_step_voxels},
+                {"yielded_links", report.yielded_links},
+                {"projected", report.projected_links},
+                {"projected_max_voxels", report.projected_max_voxels},
+                {"projected_held", report.projected_held},
+                {"relax_ms", report.milliseconds}};
   if (report.diagonal_links > 0) {
     json["diagonal_links"] = report.diagonal_links;
     json["diagonal_max_voxels"] = report.diagonal_max_voxels;
@@ -202,13 +194,13 @@ nlohmann::ordered_json to_json(const RelaxParams& params, const RelaxReport& rep
   if (report.volumes_after) {
     json["bulk_modulus_kpa"] = report.bulk_modulus_kpa;
     if (params.poisson) json["poisson"] = true;
-    json["volumes_before"] = to_json(*report.volumes_before);
-    json["volumes_after"] = to_json(*report.volumes_after);
+    json["volumes_before"] = to_value(*report.volumes_before);
+    json["volumes_after"] = to_value(*report.volumes_after);
   }
   return json;
 }
 
-nlohmann::ordered_json to_json(const SidesReport& report) {
+Value to_value(const SidesReport& report) {
   return {{"overlapping", report.overlapping},
           {"deepest_voxels", report.deepest_voxels},
           {"max_move_voxels", report.max_move_voxels},
@@ -219,7 +211,7 @@ nlohmann::ordered_json to_json(const SidesReport& report) {
           {"part_of_drag", double(report.parts) / kContactParts}};
 }
 
-nlohmann::ordered_json to_json(const BoneStop& stop) {
+Value to_value(const BoneStop& stop) {
   return {{"part_of_way", stop.part},
           {"piece", stop.piece},
           {"other", stop.other},
@@ -227,7 +219,7 @@ nlohmann::ordered_json to_json(const BoneStop& stop) {
           {"way_mm", stop.way_mm}};
 }
 
-nlohmann::ordered_json to_json(const TightenReport& report) {
+Value to_value(const TightenReport& report) {
   return {{"iterations", report.iterations},
           {"settled", report.settled},
           {"moved", report.moved},
@@ -242,7 +234,7 @@ nlohmann::ordered_json to_json(const TightenReport& report) {
           {"tighten_ms", report.milliseconds}};
 }
 
-nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) {
+Value to_value(const EcmReport& report, std::int64_t cut_links) {
   return {{"limits", "box"},
           {"fraction", report.fraction()},
           {"fraction_exact", std::to_string(report.fraction_numerator) + "/" +
@@ -258,8 +250,8 @@ nlohmann::ordered_json to_json(const EcmReport& report, std::int64_t cut_links) 
           {"solve_ms", report.milliseconds}};
 }
 
-nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+Value to_value(const std::vector<HandleReaction>& reactions) {
+  Value json = Value::list();
   for (const HandleReaction& held : reactions) {
     const Vec3d& n = held.reaction.force_n;
     json.push_back({{"step", held.step},
@@ -267,92 +259,90 @@ nlohmann::ordered_json to_json(const std::vector<HandleReaction>& reactions) {
                     {"grab", held.name},
                     {"force_n", {n.x, n.y, n.z}},
                     {"taut", held.reaction.taut}});
-    if (held.moment_nmm) json.back()["moment_nmm"] = vector_json(*held.moment_nmm);
+    if (held.moment_nmm) json.back()["moment_nmm"] = *held.moment_nmm;
   }
   return json;
 }
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const std::vector<HandlePlace>& places) {
-  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+Value to_value(const std::vector<HandlePlace>& places) {
+  Value json = Value::list();
   for (const HandlePlace& place : places) {
     json.push_back({{"grab", place.name},
                     {"elements", place.elements},
-                    {"voxel", vector_json(place.centre_index)},
-                    {"lps_mm", vector_json(place.centre_lps_mm)},
+                    {"voxel", place.centre_index},
+                    {"lps_mm", place.centre_lps_mm},
                     {"density", {place.least_density, place.largest_density}},
-                    {"labels", place.labels}});
+                    {"labels", Value::List(place.labels.begin(), place.labels.end())}});
   }
   return json;
 }
 
-nlohmann::ordered_json to_json(const RigidPieces& pieces) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Value to_value(const RigidPieces& pieces) {
+  Value list = Value::list();
   for (const RigidPiece& piece : pieces.list) {
     const auto shift = [&](std::size_t c) { return double(piece.pose.shift_q[c]) / kFixedOne; };
     list.push_back({{"name", piece.name},
                     {"elements", piece.elements->size()},
-                    {"centre_voxel", vector_json(piece.centre_index)},
+                    {"centre_voxel", piece.centre_index},
                     {"turn_degrees", piece.pose.turn.angle_deg()},
                     {"shift_voxels", {shift(0), shift(1), shift(2)}}});
   }
   return list;
 }
 
-nlohmann::ordered_json to_json(const StepRecord& record) {
+Value to_value(const StepRecord& record) {
   if (record.springs) {
-    nlohmann::ordered_json json = {
-        {"model", "springs"},
-        {"cut_links", record.cut_links},
-        {"settings", nlohmann::ordered_json::parse(settings_json(*record.springs))},
-        {"springs", to_json(record.sprung)}};
-    json["reactions"] = to_json(record.reactions);
+    Value json = {{"model", "springs"},
+                  {"cut_links", record.cut_links},
+                  {"settings", settings_value(*record.springs)},
+                  {"springs", to_value(record.sprung)}};
+    json["reactions"] = to_value(record.reactions);
     return json;
   }
   if (record.equilibrium.modes) {
     return {{"model", "fem"},
             {"cut_links", record.cut_links},
-            {"settings", nlohmann::ordered_json::parse(settings_json(*record.fem))},
-            {"modes", to_json(*record.equilibrium.modes)}};
+            {"settings", settings_value(*record.fem)},
+            {"modes", to_value(*record.equilibrium.modes)}};
   }
   if (record.fem) {
-    nlohmann::ordered_json json = {
-        {"model", "fem"},
-        {"cut_links", record.cut_links},
-        {"settings", nlohmann::ordered_json::parse(settings_json(*record.fem))},
-        {"fem", to_json(record.equilibrium)}};
+    Value json = {{"model", "fem"},
+                  {"cut_links", record.cut_links},
+                  {"settings", settings_value(*record.fem)},
+                  {"fem", to_value(record.equilibrium)}};
     if (record.bones) {
       json["fraction"] = record.report.fraction();
-      json["bones"] = to_json(*record.bones);
+      json["bones"] = to_value(*record.bones);
     }
     for (const BoneMeeting& met : record.meetings) {
       json["meetings"].push_back({{"piece", met.piece},
                                   {"other", met.other},
-                                  {"voxel", vector_json(Vec3d(met.voxel))},
+                                  {"voxel", Vec3d(met.voxel)},
                                   {"overlap_voxels", met.overlap_voxels},
                                   {"kept_apart", met.is_kept}});
     }
-    if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);
-    json["reactions"] = to_json(record.reactions);
+    if (record.contact.overlapping > 0) json["contact"] = to_value(record.contact);
+    json["reactions"] = to_value(record.reactions);
     return json;
   }
-  nlohmann::ordered_json json = record.ball ? to_json(*record.ball, record.cut_links)
-                                            : to_json(record.report, record.cut_links);
-  if (record.slid) json["slid"] = vector_json(*record.slid);
+  Value json = record.ball ? to_value(*record.ball, record.cut_links)
+                           : to_value(record.report, record.cut_links);
+  if (record.slid) json["slid"] = *record.slid;
   if (record.removed > 0) json["removed"] = record.removed;
-  if (record.bones) json["bones"] = to_json(*record.bones);
-  if (record.contact.overlapping > 0) json["contact"] = to_json(record.contact);
-  if (record.relax) json["relax"] = to_json(*record.relax, record.relaxed);
+  if (record.bones) json["bones"] = to_value(*record.bones);
+  if (record.contact.overlapping > 0) json["contact"] = to_value(record.contact);
+  if (record.relax) json["relax"] = to_value(*record.relax, record.relaxed);
   if (record.tightened) {
     json["limits"] = "tighten";
-    json["tighten"] = to_json(*record.tightened);
+    json["tighten"] = to_value(*record.tightened);
   }
-  json["reactions"] = to_json(record.reactions);
+  json["reactions"] = to_value(record.reactions);
   return json;
 }
 
-nlohmann::ordered_json to_json(const RenderReport& report) {
+Value to_value(const RenderReport& report) {
   return {{"rays", report.rays},
           {"samples", report.samples},
           {"prepare_ms", report.prepare_ms},

@@ -3,14 +3,13 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "tools/scene/file/view.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
 /// Effective configuration of a picture, embedded in its file; `more` is an object with further
 /// facts.
-std::string describe_view(const SceneView& view, const nlohmann::ordered_json& more);
+std::string describe_view(const SceneView& view, const Value& more);
 
 }  // namespace supple::tools

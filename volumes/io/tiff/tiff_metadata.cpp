@@ -4,9 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include <nlohmann/json.hpp>
-
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/format/length_units.h"
 
@@ -101,19 +100,18 @@ void check_run(const TiffPages& pages, const TiffLayout& layout) {
 /// are frames and slices. One page of several is the head of a run ("truncate"). A shape that does
 /// not fit, as after an edit, says nothing.
 void read_shape(const TiffPages& pages, TiffLayout& layout) {
-  const auto json = nlohmann::json::parse(pages.description(), nullptr, false);
-  if (!json.is_object() || !json.contains("shape") || !json["shape"].is_array()) return;
+  const Value shape = json_or_null(pages.description())["shape"];
+  if (!shape.is_list()) return;
   const TiffPage& page = pages.format();
   const double rest = double(page.width) * double(page.height) * page.samples;
-  const auto& shape = json["shape"];
   double values = 1, before = 1, last = 1;
-  for (const auto& size : shape) {
-    if (!size.is_number_unsigned() || size == 0) return;
-    values *= size.get<double>();
+  for (const Value& size : shape.items()) {
+    if (!size.is_whole() || size.whole() <= 0) return;
+    values *= size.number();
   }
   for (std::size_t n = 0; n < shape.size() && values > rest; ++n) {
     before *= last;
-    last = shape[n].get<double>();
+    last = shape[n].number();
     values /= last;
   }
   const auto count = double(pages.count());

@@ -16,6 +16,7 @@
 #include "tools/scene/peers/vtk_peer.h"
 #include "tools/scene/plan/calibrate.h"
 #include "volumes/base/own_process.h"
+#include "volumes/base/value.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/state/live_displacement.h"
@@ -175,8 +176,7 @@ class PeerPipeline {
     VtkPicture picture = m_picture;
     picture.is_fresh = true;
     const VtkAnswer frame = m_vtk_session->draw(picture);
-    const double warp_growth =
-        warp.at("peak_mbytes").get<double>() - warp.at("base_mbytes").get<double>();
+    const double warp_growth = warp.at("peak_mbytes").number() - warp.at("base_mbytes").number();
     return result.add(warp.at("warp_ms"), frame.frame_ms,
                       std::max(warp_growth, frame.growth_mbytes));
   }
@@ -188,7 +188,7 @@ class PeerPipeline {
     return (spacing.x + spacing.y + spacing.z) / 6;
   }
 
-  nlohmann::json job() const {
+  Value job() const {
     return vtk_job(m_itk[3], peer_camera(m_geometry), peer_function(), peer_settings(true),
                    m_threads);
   }
