@@ -47,7 +47,7 @@ struct RigidPiece {
   Vec3d centre_index{0, 0, 0};  // mean of its elements at rest
   RigidPose pose;
   /// Set while tissue has only shifted the piece: the pose before that, from which its smallest
-  /// motion is to start (StepRequest::shift_pieces).
+  /// motion is to start (Step::shift_pieces).
   std::optional<RigidPose> shifted_from = {};
 
   const RigidPose& motion_starts_at() const { return shifted_from ? *shifted_from : pose; }

@@ -152,4 +152,21 @@ void VoxelFemModel::store() {
   give_to_body(moved, {}, m_grips, true, m_held.body);
 }
 
+Fields solver_fields(FemParams& params) {
+  return {
+      Field("tolerance", params.tolerance,
+            "Largest force left on a node, of the largest there is; 0.1 of a picture")
+          .positive(),
+      Field("reaction_tolerance", params.reaction_tolerance,
+            "Largest change of the reactions in the last iteration, relative; 0.1 of a picture")
+          .positive(),
+      Field("max_iterations", params.max_iterations, "Of one linear system; more are an error")
+          .range(1, 100000),
+      Field("solver", params.solver, {"multigrid", "calculix", "calculix-iterative", "dolfinx"},
+            "Own solver, or another program, which must be installed: ccx, Python's dolfinx"),
+      Field("loose", params.loose, {"hold", "refuse"},
+            "What nothing holds: stays where it is at rest, or is an error"),
+  };
+}
+
 }  // namespace supple

@@ -14,6 +14,7 @@
 #include "lib/model/held_body.h"
 #include "lib/model/model.h"
 #include "lib/model/refined_shape.h"
+#include "volumes/base/fields.h"
 
 namespace supple {
 
@@ -76,5 +77,8 @@ class VoxelFemModel final : public Model<Handle> {
   std::vector<GripReach> m_reaches;
   FemSolution m_solution;
 };
+
+/// How exactly systems of equations are solved, and by whom.
+Fields solver_fields(FemParams& params);
 
 }  // namespace supple

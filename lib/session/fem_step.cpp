@@ -324,19 +324,7 @@ Fields option_fields(FemStep& step) {
 
 Fields fields(FemStep& step) {
   FemParams& params = step.params;
-  Fields of_scenes = {
-      Field("tolerance", params.tolerance,
-            "Largest force left on a node, of the largest there is; 0.1 of a picture")
-          .positive(),
-      Field("reaction_tolerance", params.reaction_tolerance,
-            "Largest change of the reactions in the last iteration, relative; 0.1 of a picture")
-          .positive(),
-      Field("max_iterations", params.max_iterations, "Of one linear system; more are an error")
-          .range(1, 100000),
-      Field("solver", params.solver, {"multigrid", "calculix", "calculix-iterative", "dolfinx"},
-            "Own solver, or another program, which must be installed: ccx, Python's dolfinx"),
-      Field("loose", params.loose, {"hold", "refuse"},
-            "What nothing holds: stays where it is at rest, or is an error"),
+  const Fields own = {
       Field("refine", step.halvings,
             "Elements of half a voxel's edge, 1, of a quarter, 2, an eighth, 3")
           .range(0, kMostHalvings),
@@ -362,9 +350,10 @@ Fields fields(FemStep& step) {
       Field("rigid_poisson", step.rigid_poisson, "Poisson's ratio of rigid pieces")
           .range(0, kLargestPoisson),
   };
-  for (Field& field : of_scenes) field.only_in_scenes();
   Fields all = option_fields(step);
-  all.insert(all.end(), of_scenes.begin(), of_scenes.end());
+  for (const Fields& of_scenes : {solver_fields(params), own}) {
+    for (Field field : of_scenes) all.push_back(field.only_in_scenes());
+  }
   return all;
 }
 

@@ -19,12 +19,12 @@ constexpr int kMostHalvings = 12;
 /// The paths of all handles of a step.
 class JointPath {
  public:
-  JointPath(const std::vector<GivenHandle>& handles, const Geometry& geometry)
+  JointPath(const std::vector<PlacedHandle>& handles, const Geometry& geometry)
       : m_spacing_mm(geometry.spacing_mm()) {
-    for (const GivenHandle& handle : handles) {
+    for (const PlacedHandle& handle : handles) {
       if (!handle.is_animated()) continue;
       m_paths.push_back(path_of(handle, geometry));
-      for (const GivenPose& pose : handle.path) m_times.push_back(pose.time);
+      for (const PlacedPose& pose : handle.path) m_times.push_back(pose.time);
     }
     std::sort(m_times.begin(), m_times.end());
     m_times.erase(std::unique(m_times.begin(), m_times.end()), m_times.end());
@@ -134,11 +134,11 @@ DragPose pose_of(const PathPose& pose, HandleMotion motion) {
   return {pose.shift_mm, motion};
 }
 
-std::vector<Drag> drags_along_paths(const std::vector<GivenHandle>& handles,
+std::vector<Drag> drags_along_paths(const std::vector<PlacedHandle>& handles,
                                     const Geometry& geometry) {
   const std::vector<double> times = JointPath(handles, geometry).times();
   std::vector<Drag> drags;
-  for (const GivenHandle& handle : handles) {
+  for (const PlacedHandle& handle : handles) {
     std::vector<Drag> own = to_drags(handle, geometry, std::numeric_limits<double>::infinity());
     if (handle.is_animated()) {
       const PosePath path = path_of(handle, geometry);

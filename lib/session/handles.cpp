@@ -51,7 +51,7 @@ std::vector<Drag> drags_of_points(const PointFile& points, HandleKind kind,
   return drags;
 }
 
-Region region_of(const GivenHandle& given, const Geometry& geometry) {
+Region region_of(const PlacedHandle& given, const Geometry& geometry) {
   if (given.points) {
     std::vector<Vec3i> voxels;
     for (const PointFile::Row& row : given.points->rows) {
@@ -73,11 +73,11 @@ Vec3i nearest_voxel(const Vec3d& index) {
 }
 
 /// Whether the elements are found by more than a region of voxels.
-bool needs_selection(const GivenHandle& given) {
+bool needs_selection(const PlacedHandle& given) {
   return given.ball || given.density || given.piece_at || given.rigid_at || given.soft_mm > 0;
 }
 
-HandleMotion motion_of(const GivenHandle& given, const Geometry& geometry) {
+HandleMotion motion_of(const PlacedHandle& given, const Geometry& geometry) {
   HandleMotion motion;
   if (given.about) {
     motion.about_lps_mm = geometry.world_from_index(index_of(*given.about, given.frame, geometry));
@@ -113,7 +113,7 @@ Vec3d lps_of(const Vec3d& vector_mm, PlaceFrame frame, const Geometry& geometry)
   return geometry.world_vector_from_index(vector_mm / geometry.spacing_mm());
 }
 
-Fields fields(GivenSelection& given) {
+Fields fields(PlacedSelection& given) {
   return {
       Field("frame", given.frame, {"voxel", "lps", "ras"},
             "Places are voxels, and directions mm along the grid axes; or both are mm in LPS or "
@@ -128,7 +128,7 @@ Fields fields(GivenSelection& given) {
   };
 }
 
-Fields fields(GivenMotion& given) {
+Fields fields(PlacedMotion& given) {
   return {
       Field("by", given.by, "How far, in mm along the directions of the frame"),
       Field("by_mm_lps", given.by_lps_mm, "The same in LPS, whatever the frame"),
@@ -163,7 +163,7 @@ Fields key_fields(double& time, Easing& easing) {
   };
 }
 
-Fields fields(GivenPose& given) {
+Fields fields(PlacedPose& given) {
   Fields all = key_fields(given.time, given.easing);
   const Fields own = {
       Field("by", given.by, "Shift, in mm along the directions of the frame"),
@@ -181,7 +181,7 @@ Fields fields(GivenPose& given) {
   return all;
 }
 
-std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geometry) {
+std::optional<IndexBox> box_of(const PlacedSelection& given, const Geometry& geometry) {
   if (!given.corners) return std::nullopt;
   IndexBox box;
   const auto& [a, b] = *given.corners;
@@ -194,7 +194,7 @@ std::optional<IndexBox> box_of(const GivenSelection& given, const Geometry& geom
   return box;
 }
 
-Selection to_selection(const GivenSelection& given, const Geometry& geometry) {
+Selection to_selection(const PlacedSelection& given, const Geometry& geometry) {
   Selection selection;
   selection.box = box_of(given, geometry);
   if (given.at_lps_mm) {
@@ -215,13 +215,13 @@ Selection to_selection(const GivenSelection& given, const Geometry& geometry) {
   return selection;
 }
 
-PosePath path_of(const GivenHandle& given, const Geometry& geometry) {
+PosePath path_of(const PlacedHandle& given, const Geometry& geometry) {
   const auto with_axis = std::find_if(given.path.begin(), given.path.end(),
-                                      [](const GivenPose& pose) { return pose.axis.has_value(); });
+                                      [](const PlacedPose& pose) { return pose.axis.has_value(); });
   const Vec3d first = with_axis != given.path.end() ? *with_axis->axis : Vec3d(0, 0, 1);
   const Vec3d axis = given.axis.value_or(first);
   PosePath path;
-  for (const GivenPose& pose : given.path) {
+  for (const PlacedPose& pose : given.path) {
     if (pose.by || pose.by_lps_mm) {
       path.add_shift(pose.time, shift_mm(pose, given.frame, geometry), pose.easing);
     }
@@ -237,13 +237,7 @@ PosePath path_of(const GivenHandle& given, const Geometry& geometry) {
   return path;
 }
 
-ChosenPart to_part(const GivenPart& given, const Geometry& geometry) {
-  ChosenPart part{given.name, given.label.value_or(0)};
-  if (!given.label) part.selection = to_selection(given, geometry);
-  return part;
-}
-
-std::vector<Drag> to_drags(const GivenHandle& given, const Geometry& geometry, double time) {
+std::vector<Drag> to_drags(const PlacedHandle& given, const Geometry& geometry, double time) {
   const HandleKind kind = given.push ? HandleKind::push : HandleKind::two_sided;
   if (given.points && given.points->has_displacements) {
     return drags_of_points(*given.points, kind, geometry);
@@ -273,13 +267,65 @@ void require_in_body(const PointFile& points, const Body& body) {
   }
 }
 
-std::vector<IndexBox> boxes_of(const PointFile& points, const Geometry& geometry) {
-  std::vector<IndexBox> boxes;
-  for (const PointFile::Row& row : points.rows) {
-    const Vec3i voxel = voxel_of(points, row, geometry);
-    boxes.push_back({voxel, voxel});
+namespace {
+
+std::vector<Drag> drags_of(const Step& step, const Geometry& geometry, double time) {
+  if (time == kWholePaths) return drags_along_paths(step.handles, geometry);
+  std::vector<Drag> drags;
+  for (const PlacedHandle& handle : step.handles) {
+    for (Drag& drag : to_drags(handle, geometry, time)) drags.push_back(std::move(drag));
   }
-  return boxes;
+  return drags;
+}
+
+void find_part(ChosenPart& part, const Geometry& geometry) {
+  if (!part.placed) return;
+  part.label = part.placed->label.value_or(0);
+  if (!part.placed->label) part.selection = to_selection(*part.placed, geometry);
+  part.placed.reset();
+}
+
+}  // namespace
+
+Step on_grid(const Step& step, const Geometry& geometry, double time) {
+  Step found = step;
+  for (Drag& drag : drags_of(step, geometry, time)) found.drags.push_back(std::move(drag));
+  for (const PointFile& file : step.fix_points) {
+    for (const PointFile::Row& row : file.rows) {
+      const Vec3i voxel = voxel_of(file, row, geometry);
+      found.fix.push_back({voxel, voxel});
+    }
+  }
+  for (const PlacedSelection& anchor : step.anchors) {
+    Selection selection = to_selection(anchor, geometry);
+    Selection without_box = selection;
+    without_box.box.reset();
+    if (without_box == Selection()) {
+      found.fix.push_back(*selection.box);
+    } else {
+      found.fix_selections.push_back(std::move(selection));
+    }
+  }
+  found.handles.clear();
+  found.fix_points.clear();
+  found.anchors.clear();
+  for (ChosenPart& part : found.remove) find_part(part, geometry);
+  for (ChosenPart& part : found.rigid.parts) find_part(part, geometry);
+  if (!found.fem) return found;
+  for (FemLoad& load : found.fem->loads) find_part(load.part, geometry);
+  return found;
+}
+
+bool Step::does_nothing() const {
+  return handles.empty() && drags.empty() && fix.empty() && fix_points.empty() && !release &&
+         fix_labels.empty() && fix_selections.empty() && anchors.empty() && cuts.empty() &&
+         remove.empty() && rigid.empty() && retract.empty() && !relax && !springs && !fem &&
+         !material && !turn_pieces && limits != Limits::tighten;
+}
+
+bool Step::is_animated() const {
+  return std::any_of(handles.begin(), handles.end(),
+                     [](const PlacedHandle& handle) { return handle.is_animated(); });
 }
 
 }  // namespace supple

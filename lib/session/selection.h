@@ -6,6 +6,7 @@
 #include <string>
 
 #include "lib/body/region.h"
+#include "lib/session/placed_handle.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/value.h"
 
@@ -40,6 +41,7 @@ struct ChosenPart {
   std::string name;  // empty: as the selection
   std::int32_t label = 0;
   std::optional<Selection> selection = {};
+  std::optional<PlacedSelection> placed = {};  // label and selection before they are on the grid
 
   std::string title() const;
 };

@@ -187,7 +187,37 @@ Region Session::without_fixed(const Region& region) const {
   return supple::region_of(free, m_body.elements, region.name());
 }
 
-void Session::check(const StepRequest& request) const {
+namespace {
+
+/// Errors that name no file get the place of the step.
+template <class Work>
+decltype(auto) placed_at(const Step& step, const Work& work) {
+  try {
+    return work();
+  } catch (const InputError& error) {
+    const Problem& problem = error.problem();
+    if (!problem.file.empty()) throw;
+    throw InputError({step.place, problem.field, problem.found, problem.expected});
+  }
+}
+
+void require_points(const Step& step, const Body& body) {
+  for (const PlacedHandle& handle : step.handles) {
+    if (handle.points) require_in_body(*handle.points, body);
+  }
+  for (const PointFile& file : step.fix_points) require_in_body(file, body);
+}
+
+}  // namespace
+
+void Session::check(const Step& step) const {
+  placed_at(step, [&] {
+    require_points(step, m_body);
+    check_elements(on_grid(step, geometry()));
+  });
+}
+
+void Session::check_elements(const Step& request) const {
   const auto waits = [&](const Selection& selection) {  // for pieces that a step makes
     return selection.rigid_at && m_body.rigid.empty();
   };
@@ -208,13 +238,14 @@ void Session::check(const StepRequest& request) const {
   }
 }
 
-std::vector<HandlePlace> Session::places(const std::vector<Drag>& drags) const {
+std::vector<HandlePlace> Session::places(const Step& step) const {
   std::vector<HandlePlace> places;
-  for (const Drag& drag : drags) places.push_back(place_of(region_of(drag), m_body, m_state));
+  for (const Drag& drag : on_grid(step, geometry()).drags)
+    places.push_back(place_of(region_of(drag), m_body, m_state));
   return places;
 }
 
-void Session::release_and_fix(const StepRequest& request) {
+void Session::release_and_fix(const Step& request) {
   if (request.release) {
     m_state.anchors.clear();
     m_state.anchor_labels.clear();
@@ -240,10 +271,17 @@ void Session::release_and_fix(const StepRequest& request) {
   }
 }
 
-const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
+const StepRecord& Session::step(const Step& step, Progress* progress, double time) {
+  return placed_at(step, [&]() -> const StepRecord& {
+    require_points(step, m_body);
+    return take(on_grid(step, geometry(), time), progress);
+  });
+}
+
+const StepRecord& Session::take(const Step& request, Progress* heard) {
   Listener listener(m_messages, heard);
   StepRecord record;
-  static_cast<StepRequest&>(record) = request;
+  static_cast<Step&>(record) = request;
   std::optional<Before> earlier;
   if (m_keeps_undo) earlier = before(record);
   m_pose.reset();
@@ -266,31 +304,31 @@ const StepRecord& Session::step(const StepRequest& request, Progress* heard) {
 }
 
 const StepRecord& Session::drag(const Region& grabbed, const Vec3d& by_mm, Progress* progress) {
-  StepRequest request;
+  Step request;
   request.drags.push_back({grabbed, by_mm});
   return step(request, progress);
 }
 
 const StepRecord& Session::fix(const IndexBox& box, Progress* progress) {
-  StepRequest request;
+  Step request;
   request.fix.push_back(box);
   return step(request, progress);
 }
 
 const StepRecord& Session::cut(const CutSurface& surface, Progress* progress) {
-  StepRequest request;
+  Step request;
   request.cuts.push_back(surface);
   return step(request, progress);
 }
 
 const StepRecord& Session::relax(const RelaxParams& params, Progress* progress) {
-  StepRequest request;
+  Step request;
   request.relax = params;
   return step(request, progress);
 }
 
 const StepRecord& Session::release(Progress* progress) {
-  StepRequest request;
+  Step request;
   request.release = true;
   return step(request, progress);
 }

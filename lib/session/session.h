@@ -15,6 +15,7 @@
 #include "lib/model/voxel_ecm_model.h"
 #include "lib/session/free_poses.h"
 #include "lib/session/handle_places.h"
+#include "lib/session/handles.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step.h"
 #include "volumes/grid/volume.h"
@@ -56,7 +57,7 @@ class Session {
   const Geometry& geometry() const { return m_state.geometry; }
   const Body& body() const { return m_body; }
   const MaterialTable& material() const { return m_material; }
-  /// Whether steps with StepRequest::shift_pieces have left pieces that are still to turn.
+  /// Whether steps with Step::shift_pieces have left pieces that are still to turn.
   bool has_shifted_pieces() const;
   /// Links that are cut, without those that rigid pieces hide in body().cuts.
   const LinkCuts& cuts() const { return m_body.rigid.empty() ? m_body.cuts : m_state.cuts; }
@@ -64,18 +65,19 @@ class Session {
   /// voxels and the like have been warned of.
   const LinkCheck& links() const { return m_links; }
 
-  /// Cuts, then solves one step, then relaxes (StepRequest::relax), then tightens; or lets springs
+  /// Cuts, then solves one step, then relaxes (Step::relax), then tightens; or lets springs
   /// move the body. Cuts
   /// are made in the body at rest and stay. Handles stay held and anchors fixed until a step
   /// releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything is
   /// then as it was before the step.
-  const StepRecord& step(const StepRequest& request, Progress* progress = nullptr);
+  /// Errors name the step's place where they name no file. `time`: as on_grid() has it.
+  const StepRecord& step(const Step& step, Progress* progress = nullptr, double time = kWholePaths);
 
   /// Throws InputError as step() does for handles and fixed voxels that are no elements; a label
   /// needs some element.
-  void check(const StepRequest& request) const;
-  /// The elements that each drag grabs. Throws as check().
-  std::vector<HandlePlace> places(const std::vector<Drag>& drags) const;
+  void check(const Step& step) const;
+  /// The elements that each handle grabs. Throws as check().
+  std::vector<HandlePlace> places(const Step& step) const;
 
   /// Steps of one thing each. `by_mm` goes along the grid axes.
   const StepRecord& drag(const Region& grabbed, const Vec3d& by_mm, Progress* progress = nullptr);
@@ -129,21 +131,23 @@ class Session {
   void warn_of_material(Progress* progress) const;
   Region region_of(const Drag& drag) const;
   Region without_fixed(const Region& region) const;
-  std::vector<Region> regions_of(const StepRequest& request) const;
+  std::vector<Region> regions_of(const Step& request) const;
   Region region_of_label(std::int32_t label, const std::string& role) const;
-  void release_and_fix(const StepRequest& request);
+  const StepRecord& take(const Step& request, Progress* heard);
+  void check_elements(const Step& request) const;
+  void release_and_fix(const Step& request);
   void find_anchors();
   void fix_whole_pieces();
   /// `part`: of all motions, where rigid pieces turn.
-  std::vector<Handle> handles_of(const StepRequest& request, const std::vector<PieceMotion>& pieces,
+  std::vector<Handle> handles_of(const Step& request, const std::vector<PieceMotion>& pieces,
                                  double part) const;
-  bool is_relaxed_by_default(const StepRequest& request) const;
+  bool is_relaxed_by_default(const Step& request) const;
   void prepare_body(StepRecord& record, Progress* progress);
   void change_material(const MaterialTable& material, Progress* progress);
   void remove_parts(StepRecord& record, Progress* progress);
   void cut_body(StepRecord& record, Progress* progress);
   void take_pieces_of_state(const std::string& path, Progress* progress);
-  void check_model_of_pieces(const StepRequest& request) const;
+  void check_model_of_pieces(const Step& request) const;
   HeldBody held_with_pieces(std::vector<Region>& anchors);
   void relax_body(int passes, StepRecord& record, Progress* progress);
   void tighten_body(StepRecord& record, Progress* progress);
@@ -155,7 +159,7 @@ class Session {
              StepRecord& record, Progress* progress);
   void solve_freely(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
                     StepRecord& record, Progress* progress);
-  bool keeps_bones_apart(const StepRequest& request) const;
+  bool keeps_bones_apart(const Step& request) const;
   PieceWay way_of_pieces(const std::vector<RigidPiece>& start, const std::vector<RigidPose>& end,
                          const std::vector<PieceMotion>& turns) const;
   std::optional<BoneStop> first_bone_stop(const std::vector<RigidPiece>& start,
@@ -172,7 +176,7 @@ class Session {
   void solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
                         const std::vector<PieceMotion>& pieces, StepRecord& record,
                         Progress* progress);
-  std::unique_ptr<CutContact> contact_of(const StepRequest& request);
+  std::unique_ptr<CutContact> contact_of(const Step& request);
   std::int64_t solve_part(std::int64_t parts, const std::vector<Handle>& handles,
                           const std::vector<PieceMotion>& pieces, const StepStart& start,
                           StepRecord& record, Progress* progress);
@@ -195,8 +199,8 @@ class Session {
   void move_by_elements(const std::vector<Handle>& handles, const std::vector<PieceMotion>& pieces,
                         const HandleLedger& ledger, StepRecord& record, Progress* progress);
   void follow_ways(StepRecord& record, Progress* progress);
-  std::vector<PieceMotion> motions_of(const StepRequest& request) const;
-  Before before(const StepRequest& request);
+  std::vector<PieceMotion> motions_of(const Step& request) const;
+  Before before(const Step& request);
   void restore(Before&& before);
   void keep(Before&& before);
   HeldBody held() { return {m_body, m_anchors, m_holds}; }

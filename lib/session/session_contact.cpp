@@ -78,7 +78,7 @@ RigidMotion between(const RigidPose& from, const RigidPose& to, const RigidPiece
 
 }  // namespace
 
-bool Session::keeps_bones_apart(const StepRequest& request) const {
+bool Session::keeps_bones_apart(const Step& request) const {
   return m_material.has_contact && request.limits != Limits::ball && m_body.rigid.list.size() > 1;
 }
 
@@ -246,7 +246,7 @@ std::int64_t Session::solve_part(std::int64_t parts, const std::vector<Handle>& 
 }
 
 /// None where no cut can close, or nothing is to be kept apart.
-std::unique_ptr<CutContact> Session::contact_of(const StepRequest& request) {
+std::unique_ptr<CutContact> Session::contact_of(const Step& request) {
   if (!m_material.has_contact || request.limits == Limits::ball || m_body.cuts.empty()) {
     return nullptr;
   }

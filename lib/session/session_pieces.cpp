@@ -11,14 +11,14 @@
 
 namespace supple {
 
-std::vector<Region> Session::regions_of(const StepRequest& request) const {
+std::vector<Region> Session::regions_of(const Step& request) const {
   std::vector<Region> regions;
   for (const Drag& drag : request.drags) regions.push_back(region_of(drag));
   return regions;
 }
 
-std::vector<Handle> Session::handles_of(const StepRequest& request,
-                                        const std::vector<PieceMotion>& pieces, double part) const {
+std::vector<Handle> Session::handles_of(const Step& request, const std::vector<PieceMotion>& pieces,
+                                        double part) const {
   const bool has_edges = std::any_of(request.drags.begin(), request.drags.end(),
                                      [](const Drag& drag) { return drag.soft_mm > 0; });
   const bool is_pushed = !request.springs && !request.fem && request.limits != Limits::ball;
@@ -218,7 +218,7 @@ HeldBody Session::held_with_pieces(std::vector<Region>& anchors) {
   return {m_body, anchors, m_holds};
 }
 
-void Session::check_model_of_pieces(const StepRequest& request) const {
+void Session::check_model_of_pieces(const Step& request) const {
   if (!request.retract.empty() && (request.springs || request.limits == Limits::ball)) {
     throw InputError({request.retract.front().place, "retract",
                       request.springs ? "beside springs" : "beside limits = \"ball\"",

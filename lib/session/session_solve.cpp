@@ -199,7 +199,7 @@ void Session::solve_freely(const std::vector<Handle>& handles,
   record.report.milliseconds = record.ball->milliseconds;
 }
 
-bool Session::is_relaxed_by_default(const StepRequest& request) const {
+bool Session::is_relaxed_by_default(const Step& request) const {
   return m_material.relaxes && !request.no_relax && !request.relax && !request.drags.empty() &&
          !request.springs && !request.fem && request.limits != Limits::ball;
 }

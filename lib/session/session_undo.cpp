@@ -27,7 +27,7 @@ std::size_t Session::Before::bytes() const {
          handed_over.elements_mm.size() * sizeof(Vec3d);
 }
 
-Session::Before Session::before(const StepRequest& request) {
+Session::Before Session::before(const Step& request) {
   if (!m_nodes_before) m_nodes_before = std::make_unique<StepNodes>(m_body);
   return {
       std::nullopt,

@@ -52,7 +52,7 @@ std::vector<Drag> drags_at(std::vector<Drag> drags, std::size_t pose) {
   return drags;
 }
 
-bool has_anchors(const StepRequest& request) {
+bool has_anchors(const Step& request) {
   return !request.fix.empty() || !request.fix_labels.empty() || !request.fix_selections.empty();
 }
 
@@ -118,7 +118,7 @@ void Session::run_step(StepRecord& record, Progress* progress) {
   }
 }
 
-std::vector<PieceMotion> Session::motions_of(const StepRequest& request) const {
+std::vector<PieceMotion> Session::motions_of(const Step& request) const {
   const bool goes_on = m_walk && !m_walk->earlier.empty();
   const Body& start = goes_on ? m_walk->start : m_body;
   std::vector<PieceMotion> pieces = motions_of_pieces(start, request.drags, regions_of(request));

@@ -1,4 +1,4 @@
-// One step of a session: the request to the solvers, and the record of its results.
+// One step of a session, from a file or a program to the solvers, and the record of its results.
 #pragma once
 
 #include <optional>
@@ -15,6 +15,7 @@
 #include "lib/session/fem_step.h"
 #include "lib/session/handle_ledger.h"
 #include "lib/session/handle_motion.h"
+#include "lib/session/placed_handle.h"
 #include "lib/session/retraction.h"
 #include "lib/session/rigid_request.h"
 #include "lib/session/selection.h"
@@ -48,34 +49,46 @@ struct Drag {
 /// tighten: box, and then tighten(), after the step's relaxation if it has one.
 enum class Limits { box, ball, tighten };
 
+/// Places are as people write them, in one of three frames, or on the grid already, as programs
+/// have them: a session finds the former on its grid (on_grid() of handles.h).
+///
 /// Drags with a way go from pose to pose. Each pose is solved, and relaxed, as a step of its own
 /// that starts where the one before it ended. Drags without a way are at their ends from the first
 /// pose on. Cuts, removals, new pieces, anchors and retractions come with the first.
-struct StepRequest {
-  std::vector<Drag> drags;
-  std::vector<IndexBox> fix;
-  std::vector<std::int32_t> fix_labels;
-  std::vector<Selection> fix_selections;
-  bool release = false;
-  std::vector<CutSurface> cuts;
-  std::vector<ChosenPart> remove;  // elements that are gone from now on
-  RigidRequest rigid;              // after cuts and removals, before the drags
-  std::vector<Retraction> retract;
+struct Step {
+  std::string place = {};  // "file:line", for errors; empty: a program's
+  std::vector<PlacedHandle> handles = {};
+  std::vector<Drag> drags = {};  // handles on the grid
+  std::vector<IndexBox> fix = {};
+  std::vector<std::int32_t> fix_labels = {};
+  std::vector<PointFile> fix_points = {};
+  std::vector<PlacedSelection> anchors = {};
+  std::vector<Selection> fix_selections = {};  // anchors on the grid
+  bool release = false;                        // lets go of everything that earlier steps held
+  std::vector<CutSurface> cuts = {};
+  std::vector<ChosenPart> remove = {};  // elements that are gone from now on
+  RigidRequest rigid = {};              // after cuts and removals, before the drags
+  std::vector<Retraction> retract = {};
   Limits limits = Limits::box;
   /// After the drag. Absent: tissue_relaxation() where the step drags under box limits and the
   /// material asks for it, unless no_relax.
-  std::optional<RelaxParams> relax;
+  std::optional<RelaxParams> relax = {};
   bool no_relax = false;
-  std::optional<SpringStep> springs;  // instead of both
-  std::optional<FemStep> fem;         // likewise
+  std::optional<SpringStep> springs = {};  // instead of both
+  std::optional<FemStep> fem = {};         // likewise
   /// Free rigid pieces shift with the drag and do not turn, where that allows the whole drag; it is
   /// found in a twentieth of the time. They turn in the next step of ECM without it, by the
   /// smallest motion from where they were before all their shifts.
   bool shift_pieces = false;
+  bool turn_pieces = false;      // they turn in this step, which does nothing else
   bool tells_reactions = false;  // of the handles that are held, in the record
   /// From now on, for the elements that there are: `active` and `components` chose them when the
   /// volume was opened. Links whose limits the body breaks then are projected before it moves.
-  std::optional<MaterialTable> material;
+  std::optional<MaterialTable> material = {};
+
+  bool does_nothing() const;
+  /// Whether a handle follows a path.
+  bool is_animated() const;
 };
 
 /// Two rigid pieces that met and stopped a step.
@@ -98,9 +111,10 @@ struct StepRecord;
 /// How far a shift of the step has gone, in mm along the grid axes.
 Vec3d way_done(const StepRecord& record, const Vec3d& by_mm);
 
-/// Results of a step. For drags with a way the report of the drag covers all poses: its fraction is
-/// the smallest, its moved elements are the most. All other members are those of the last pose.
-struct StepRecord : StepRequest {
+/// Results of a step, which is on the grid. For drags with a way the report of the drag covers all
+/// poses: its fraction is the smallest, its moved elements are the most. All other members are
+/// those of the last pose.
+struct StepRecord : Step {
   std::int64_t cut_links = 0;             // that cuts and joints removed
   std::int64_t removed = 0;               // elements
   EcmReport report;                       // of ball limits: the common members

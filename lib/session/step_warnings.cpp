@@ -55,7 +55,7 @@ double longest_way_mm(const Body& body, RigidPiece piece, const RigidPose& from)
 
 }  // namespace
 
-void note_of_links(const StepRequest& request, int links, Progress* progress) {
+void note_of_links(const Step& request, int links, Progress* progress) {
   const bool is_ball = request.limits == Limits::ball;
   if (links == 6 || (!request.springs && !is_ball)) return;
   note(progress, std::string(is_ball ? "ball limits know" : "springs have") +

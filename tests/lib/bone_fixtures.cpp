@@ -63,8 +63,8 @@ std::string write_wavy_joint(const TemporaryFolder& folder, bool has_third_bone)
   return folder / "wavy.nhdr";
 }
 
-StepRequest wavy_drag(const Vec3d& by_mm) {
-  StepRequest request;
+Step wavy_drag(const Vec3d& by_mm) {
+  Step request;
   request.rigid.joint_mm = 8;
   request.rigid.parts = {bone_in("m", {{0, 0, 0}, {30, 31, 31}}, {24, 16, 16})};
   request.drags.push_back({Region(Vec3i(24, 16, 16)), by_mm});
@@ -87,16 +87,16 @@ std::string write_jaw_crop(const std::string& raw, const TemporaryFolder& folder
   return folder / "jaw.nhdr";
 }
 
-StepRequest jaw_step() {
-  StepRequest request;
+Step jaw_step() {
+  Step request;
   request.rigid.joint_mm = 20;
   request.rigid.parts = {bone_in("jaw", {{4, 4, 0}, {84, 85, 20}}, {44, 61, 12})};
   request.fix = {{{0, 0, 39}, {88, 90, 40}}};
   return request;
 }
 
-StepRequest jaw_drag(const Vec3d& by_mm) {
-  StepRequest request;
+Step jaw_drag(const Vec3d& by_mm) {
+  Step request;
   request.drags.push_back({Region(Vec3i(44, 61, 12)), by_mm});
   return request;
 }

@@ -14,12 +14,12 @@ SessionOptions bone_options();
 /// Two bones with a wavy joint of four voxels; a third one, free in the soft tissue beyond them.
 std::string write_wavy_joint(const TemporaryFolder& folder, bool has_third_bone);
 /// The right one of them dragged, the left one held.
-StepRequest wavy_drag(const Vec3d& by_mm);
+Step wavy_drag(const Vec3d& by_mm);
 
 /// The box around the upper jaw of the scan: its voxels from 84, 150, 0 to 172, 240, 40.
 std::string write_jaw_crop(const std::string& raw, const TemporaryFolder& folder);
 /// Parts the jaw from the skull, and holds that.
-StepRequest jaw_step();
-StepRequest jaw_drag(const Vec3d& by_mm);
+Step jaw_step();
+Step jaw_drag(const Vec3d& by_mm);
 
 }  // namespace supple::test

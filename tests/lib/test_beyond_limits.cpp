@@ -35,7 +35,7 @@ class UnitBeyondLimits : public ::testing::Test {
 
   std::unique_ptr<Session> pulled(LinksBeyond beyond) {
     auto session = std::make_unique<Session>(m_folder / "block.nhdr", m_options);
-    StepRequest request;
+    Step request;
     request.fix.push_back({{0, 0, 0}, {15, 15, 0}});
     request.drags = {Drag{Region({6, 6, 15}, {9, 9, 15}), {0.3, 0, 4}}};
     request.fem = FemStep();
@@ -93,7 +93,7 @@ TEST_F(UnitBeyondLimits, DragsGoOnFromWhatIsKeptAndMakeNoLinkWorse) {
 TEST_F(UnitBeyondLimits, UndoAndSoftHandlesKnowWhatIsKept) {
   const auto session = pulled(LinksBeyond::keep);
   const std::array<BrickValues, 3> before = session->body().q;
-  StepRequest soft;
+  Step soft;
   soft.drags = {Drag{Region(kAside), {1, 0, 0}}};
   soft.drags[0].selection = Selection();
   soft.drags[0].selection->box = IndexBox{kAside, kAside};
@@ -112,7 +112,7 @@ TEST_F(UnitBeyondLimits, UndoAndSoftHandlesKnowWhatIsKept) {
 TEST_F(UnitBeyondLimits, SidesThatWerePressedIntoEachOtherDoNotStopOtherDrags) {
   for (const LinksBeyond beyond : {LinksBeyond::project, LinksBeyond::keep}) {
     Session session(m_folder / "block.nhdr", m_options);
-    StepRequest request;
+    Step request;
     request.cuts.emplace_back();
     CutSurface& plane = request.cuts.back();
     plane.in_voxels = true;

@@ -46,12 +46,12 @@ struct OpeningDrags {
 };
 
 OpeningDrags drags_that_open(Session& session, const Vec3i& grabbed, int tried,
-                             const std::function<void(StepRequest&)>& choose) {
+                             const std::function<void(Step&)>& choose) {
   OpeningDrags told;
   const OverlapJudge judge(session.body());
   const double at_rest = judge.deepest();
   for (int n = 0; n < tried; ++n) {
-    StepRequest drag = jaw_drag({});
+    Step drag = jaw_drag({});
     drag.drags[0].region = Region(grabbed);
     choose(drag);
     const PieceMotion way =
@@ -107,7 +107,7 @@ TEST(PropertyBoneContact, FiniteElementsLeadBonesAsFarAsTheyLeaveEachOtherRoom) 
   const TemporaryFolder folder;
   const std::string path = write_wavy_joint(folder, false);
   Session by_links(path, bone_options());
-  StepRequest drag = wavy_drag({0, 4, 0});
+  Step drag = wavy_drag({0, 4, 0});
   const double reach = way_done(by_links.step(drag));
   Session by_elements(path, bone_options());
   drag.fem.emplace();
@@ -123,7 +123,7 @@ TEST(PropertyBoneContact, FiniteElementsLeadBonesAsFarAsTheyLeaveEachOtherRoom) 
 TEST(PropertyBoneContact, FreePiecesStayOutOfOthersUnderFiniteElementsAndNothingHoldsThemThen) {
   const TemporaryFolder folder;
   const std::string path = write_wavy_joint(folder, false);
-  StepRequest press = wavy_drag({});  // tissue beside the free bone, towards the held one
+  Step press = wavy_drag({});  // tissue beside the free bone, towards the held one
   press.drags = {{Region(IndexBox{{32, 8, 8}, {36, 24, 24}}), Vec3d(-6, 0, 0)}};
   press.fem.emplace();
   press.fem->params.set_accuracy(FemAccuracy::picture);
@@ -142,7 +142,7 @@ TEST(PropertyBoneContact, FreePiecesStayOutOfOthersUnderFiniteElementsAndNothing
   const double there = session.body().offset({24, 16, 16}, 0);
   EXPECT_LT(there, -0.5 * kFixedOne);
 
-  StepRequest back = press;
+  Step back = press;
   back.rigid = {};
   back.fix.clear();
   back.drags[0].by_mm = Vec3d(9, 0, 0);
@@ -153,7 +153,7 @@ TEST(PropertyBoneContact, FreePiecesStayOutOfOthersUnderFiniteElementsAndNothing
 TEST(PropertyBoneContact, AFreePieceGoesAlongWithTheOneThatItMeetsUnderFiniteElements) {
   const TemporaryFolder folder;
   const std::string path = write_wavy_joint(folder, true);
-  StepRequest press = wavy_drag({2, 0, 0});
+  Step press = wavy_drag({2, 0, 0});
   press.drags.push_back({Region(IndexBox{{37, 8, 13}, {39, 23, 17}}), Vec3d(-11, 0, 0)});
   press.fem.emplace();
   press.fem->params.set_accuracy(FemAccuracy::picture);
@@ -173,12 +173,12 @@ TEST(PropertyBoneContact, AFreePieceGoesAlongWithTheOneThatItMeetsUnderFiniteEle
 TEST(PropertyBoneContact, DragsInAllDirectionsThatOpenAJointAreDoneWhole) {
   const TemporaryFolder folder;
   Session session(write_wavy_joint(folder, false), bone_options());
-  StepRequest part = wavy_drag({});
+  Step part = wavy_drag({});
   part.drags.clear();
   session.step(part);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  const OpeningDrags told = drags_that_open(session, Vec3i(24, 16, 16), 60, [&](StepRequest& drag) {
+  const OpeningDrags told = drags_that_open(session, Vec3i(24, 16, 16), 60, [&](Step& drag) {
     drag.drags[0].by_mm =
         Vec3d(1.5 + 1.5 * uniform(random), 2 * uniform(random), 2 * uniform(random));
     if (uniform(random) > 0) return;
@@ -198,7 +198,7 @@ TEST(PropertyBoneContact, LiveDragsReachAsFarAsOneOfAll) {
   const double reach = way_done(whole.step(wavy_drag({0, 4, 0})));
   ASSERT_LT(reach, 3);
   Session live(path, bone_options());
-  StepRequest part = wavy_drag({0, 0.15, 0});
+  Step part = wavy_drag({0, 0.15, 0});
   part.shift_pieces = true;
   double done = 0;
   for (int n = 0; n < 25; ++n) {
@@ -222,7 +222,7 @@ TEST(PropertyBoneContact, BonesThatLieInEachOtherMayPartAgain) {
   const std::string state = folder / "deep.vdb";
   passing.write_state(state);
   Session session(state, bone_options());
-  StepRequest back = wavy_drag({0, -4, 0});
+  Step back = wavy_drag({0, -4, 0});
   back.rigid = {};
   back.fix.clear();
   EXPECT_FALSE(session.step(back).bones.has_value());
@@ -255,7 +255,7 @@ TEST_F(PropertyJawContact, TwentyRandomDragsLeaveNoBoneInAnotherOrAreShortened) 
     const bool opens = n % 2 == 0, turns = n % 4 == 3;
     Vec3d by(6 * uniform(random), 6 * uniform(random), 6 * uniform(random));
     if (opens) by = Vec3d(0, std::abs(by.y), -std::abs(by.z));
-    StepRequest drag = jaw_drag(by);
+    Step drag = jaw_drag(by);
     if (turns) {
       drag.drags[0].motion.angle_deg = 5 * uniform(random);
       drag.drags[0].motion.axis_lps = {uniform(random), uniform(random), uniform(random)};
@@ -281,7 +281,7 @@ TEST_F(PropertyJawContact, DragsThatOpenTheJointAreDoneWhole) {
   std::mt19937 random(51);
   std::uniform_real_distribution<double> uniform(-1, 1);
   int n = 0;
-  const OpeningDrags told = drags_that_open(session, Vec3i(44, 61, 12), 24, [&](StepRequest& drag) {
+  const OpeningDrags told = drags_that_open(session, Vec3i(44, 61, 12), 24, [&](Step& drag) {
     // Down, forward, both, to a side and turned about an axis through both condyles: the walls
     // beside the jaw let none of the last two go.
     const double down = -3 - 3 * uniform(random), forward = 3 + 3 * uniform(random);

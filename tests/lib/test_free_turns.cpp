@@ -46,11 +46,11 @@ class UnitRod : public ::testing::Test {
 
   TemporaryFolder m_folder;
   SessionOptions m_options;
-  StepRequest m_rod;
+  Step m_rod;
 };
 
-StepRequest pull(const std::vector<std::pair<Vec3i, Vec3d>>& pulls) {
-  StepRequest request;
+Step pull(const std::vector<std::pair<Vec3i, Vec3d>>& pulls) {
+  Step request;
   for (const auto& [at, by_mm] : pulls) request.drags.push_back({Region(at), by_mm});
   return request;
 }
@@ -143,7 +143,7 @@ TEST_F(UnitRod, ShiftedInManyDragsThenTurnsAsInASingleOne) {
   Session session(m_folder / "rod.nhdr", m_options);
   session.step(m_rod);
   const State before = session.state();
-  StepRequest part = pull({{{11, 1, 1}, {0, 0.75, 0}}});
+  Step part = pull({{{11, 1, 1}, {0, 0.75, 0}}});
   part.shift_pieces = true;
   for (int n = 0; n < 4; ++n) session.step(part);
   EXPECT_EQ(angle_deg(session), 0);
@@ -164,7 +164,7 @@ TEST_F(UnitRod, ShiftedInManyDragsThenTurnsAsInASingleOne) {
 TEST_F(UnitRod, LetGoOfAfterAShiftStaysWhereItIs) {
   Session session(m_folder / "rod.nhdr", m_options);
   session.step(m_rod);
-  StepRequest part = pull({{{11, 1, 1}, {0, 3, 0}}});
+  Step part = pull({{{11, 1, 1}, {0, 3, 0}}});
   part.shift_pieces = true;
   session.step(part);
   const State shifted = session.state();
@@ -175,7 +175,7 @@ TEST_F(UnitRod, LetGoOfAfterAShiftStaysWhereItIs) {
 
 TEST_F(UnitRod, ADragThatShiftsDoNotAllowTurnsThePieceAllTheSame) {
   Session whole(m_folder / "rod.nhdr", m_options), session(m_folder / "rod.nhdr", m_options);
-  StepRequest request = pull({{{11, 1, 1}, {0, 4, 0}}});
+  Step request = pull({{{11, 1, 1}, {0, 4, 0}}});
   for (Session* each : {&whole, &session}) {
     each->step(m_rod);
     each->fix({{0, 1, 1}, {0, 1, 1}});

@@ -108,7 +108,7 @@ TEST_F(UnitHandleEdges, ATurnIsWhatTwoHalfTurnsComeToAndKeepsItsShape) {
     drag.motion.axis_lps = {1, 2, -1};
     drag.motion.angle_deg = angle_deg;
     for (int n = 0; n < times; ++n) {
-      StepRequest request;
+      Step request;
       request.drags.push_back(drag);
       EXPECT_EQ(session->step(request).report.fraction(), 1);
     }
@@ -137,7 +137,7 @@ TEST_F(UnitHandleEdges, AnEdgeGoesAtLeastItsPartAndStaysOutOfAnchors) {
   Selection ball;
   ball.ball_index = Vec3d(11.5, 11.5, 12);
   ball.radius_mm = 2.5;
-  StepRequest request;
+  Step request;
   request.fix.push_back({{0, 0, 0}, {4, 23, 23}});
   Drag drag{Vec3i(0), {0, 1, 0}};
   drag.selection = ball;
@@ -175,7 +175,7 @@ TEST_F(UnitHandleEdges, AnchorsOfDensitiesAreKeptByTheStateAndReleased) {
   Session session(m_folder / "ball.nhdr", m_options);
   Selection shell;
   shell.density = NumberPair(1, 150);
-  StepRequest request;
+  Step request;
   request.fix_selections.push_back(shell);
   request.drags.push_back({Vec3i(12, 12, 12), {30, 0, 0}});
   const double part = session.step(request).report.fraction();

@@ -14,16 +14,16 @@ using namespace supple::test;
 
 namespace {
 
-GivenPose shifted(double time, const Vec3d& by, Easing easing = Easing::linear) {
-  GivenPose pose;
+PlacedPose shifted(double time, const Vec3d& by, Easing easing = Easing::linear) {
+  PlacedPose pose;
   pose.time = time;
   pose.by = by;
   pose.easing = easing;
   return pose;
 }
 
-GivenPose turned(double time, double angle_deg) {
-  GivenPose pose;
+PlacedPose turned(double time, double angle_deg) {
+  PlacedPose pose;
   pose.time = time;
   pose.rotate_deg = angle_deg;
   pose.easing = Easing::linear;
@@ -38,8 +38,8 @@ class PropertyHandlePath : public ::testing::Test {
     m_options.material = read_material(m_folder / "soft.toml");
   }
 
-  GivenHandle grabbing(const Vec3d& lo, const Vec3d& hi, std::vector<GivenPose> path) const {
-    GivenHandle handle;
+  PlacedHandle grabbing(const Vec3d& lo, const Vec3d& hi, std::vector<PlacedPose> path) const {
+    PlacedHandle handle;
     handle.corners = {lo, hi};
     handle.axis = Vec3d(0, 0, 1);
     handle.path = std::move(path);
@@ -48,10 +48,10 @@ class PropertyHandlePath : public ::testing::Test {
   std::unique_ptr<Session> opened() const {
     return std::make_unique<Session>(m_folder / "ball.nhdr", m_options);
   }
-  std::unique_ptr<Session> after(const std::vector<GivenHandle>& handles,
-                                 StepRequest request = {}) const {
+  std::unique_ptr<Session> after(const std::vector<PlacedHandle>& handles,
+                                 Step request = {}) const {
     auto session = opened();
-    request.drags = drags_along_paths(handles, session->geometry());
+    request.handles = handles;
     session->step(request);
     return session;
   }
@@ -66,7 +66,7 @@ class PropertyHandlePath : public ::testing::Test {
                  session.body().offset(voxel, 2)) /
            kFixedOne;
   }
-  std::size_t poses(const GivenHandle& handle) const {
+  std::size_t poses(const PlacedHandle& handle) const {
     return drags_along_paths({handle}, opened()->geometry()).front().way.size() + 1;
   }
 
@@ -81,7 +81,7 @@ const Region kPart(Vec3i(10, 10, 10), Vec3i(13, 13, 13));
 
 TEST_F(PropertyHandlePath, AStraightPathIsOneDrag) {
   for (const Easing easing : {Easing::smooth, Easing::linear, Easing::hold, Easing::spline}) {
-    const GivenHandle path =
+    const PlacedHandle path =
         grabbing(kLow, kHigh, {shifted(0, {0, 0, 0}, easing), shifted(1, {2, -3, 1}, easing)});
     EXPECT_EQ(poses(path), 1u);
     const auto found = after({path}), expected = stepped(kPart, {{2, -3, 1}});
@@ -91,7 +91,7 @@ TEST_F(PropertyHandlePath, AStraightPathIsOneDrag) {
 }
 
 TEST_F(PropertyHandlePath, APathRoundACornerIsItsKeysAsSteps) {
-  const GivenHandle path = grabbing(
+  const PlacedHandle path = grabbing(
       kLow, kHigh,
       {shifted(0, {0, 0, 0}), shifted(1, {5, 0, 0}), shifted(3, {5, 4, 0}), shifted(4, {0, 4, 0})});
   const auto found = after({path});
@@ -101,7 +101,7 @@ TEST_F(PropertyHandlePath, APathRoundACornerIsItsKeysAsSteps) {
 }
 
 TEST_F(PropertyHandlePath, ARelaxedPathIsItsKeysAsRelaxedSteps) {
-  StepRequest relaxed;
+  Step relaxed;
   relaxed.relax = RelaxParams();
   const auto found =
       after({grabbing(kLow, kHigh, {shifted(1, {4, 0, 0}), shifted(3, {4, 4, 0})})}, relaxed);
@@ -115,7 +115,7 @@ TEST_F(PropertyHandlePath, ARelaxedPathIsItsKeysAsRelaxedSteps) {
 
 TEST_F(PropertyHandlePath, APathUnderSpringsIsItsKeysAsStepsOfSprings) {
   for (const bool minimises : {false, true}) {
-    StepRequest sprung;
+    Step sprung;
     sprung.springs = SpringStep();
     sprung.springs->motion.minimise = minimises;
     sprung.springs->time_s = 0.004;
@@ -135,7 +135,7 @@ TEST_F(PropertyHandlePath, APathUnderSpringsIsItsKeysAsStepsOfSprings) {
 }
 
 TEST_F(PropertyHandlePath, AHandleThatTurnsAndComesBackLeavesTissueWhereItWasTaken) {
-  const GivenHandle path =
+  const PlacedHandle path =
       grabbing(kLow, kHigh, {turned(0, 0), turned(1, 15), turned(2, -15), turned(3, 0)});
   const auto found = after({path});
   double most = 0;
@@ -155,7 +155,7 @@ TEST_F(PropertyHandlePath, AHandleThatTurnsAndComesBackLeavesTissueWhereItWasTak
 TEST_F(PropertyHandlePath, PosesAreMeantFromWhereTheStepStarts) {
   const auto found = after({grabbing(kLow, kHigh, {turned(0, 0), turned(1, 15), turned(2, -15)})});
   auto expected = opened();
-  StepRequest once;
+  Step once;
   once.drags.push_back({kPart, {0, 0, 0}});
   once.drags.front().motion.axis_lps = {0, 0, 1};
   once.drags.front().motion.angle_deg = -15;
@@ -174,7 +174,7 @@ TEST_F(PropertyHandlePath, PosesLieSoNearThatShiftsAndTurnsStayOnTheirPath) {
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 10)})), 1u);
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 45)})), 8u);
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 720)})), 128u);
-  const GivenHandle curve =
+  const PlacedHandle curve =
       grabbing(kLow, kHigh,
                {shifted(0, {0, 0, 0}, Easing::spline), shifted(1, {20, 0, 0}, Easing::spline),
                 shifted(2, {20, 20, 0}, Easing::spline)});
@@ -197,7 +197,7 @@ TEST_F(PropertyHandlePath, PosesLieSoNearThatShiftsAndTurnsStayOnTheirPath) {
 }
 
 TEST_F(PropertyHandlePath, WhatAnchorsStopComesBackToItsPath) {
-  StepRequest fixed;
+  Step fixed;
   fixed.fix.push_back({{0, 0, 0}, {5, 23, 23}});
   const auto found =
       after({grabbing(kLow, kHigh, {shifted(1, {30, 0, 0}), shifted(2, {1, 1, 0})})}, fixed);
@@ -208,22 +208,22 @@ TEST_F(PropertyHandlePath, WhatAnchorsStopComesBackToItsPath) {
 }
 
 TEST_F(PropertyHandlePath, EdgesAndToolsFollowToo) {
-  GivenHandle soft;
+  PlacedHandle soft;
   soft.ball = Vec3d(12, 12, 12);
   soft.radius_mm = 2.5;
   soft.soft_mm = 5;
   soft.path = {shifted(1, {0, 1, 0}), shifted(2, {0, 2, 0}), shifted(3, {0, 3, 0})};
-  GivenHandle once = soft;
+  PlacedHandle once = soft;
   once.path = {shifted(3, {0, 3, 0})};
   EXPECT_EQ(after({soft})->body().q, after({once})->body().q);
 
-  GivenHandle tool = grabbing(kLow, kHigh, {shifted(1, {4, 0, 0}), shifted(2, {-1, 0, 0})});
+  PlacedHandle tool = grabbing(kLow, kHigh, {shifted(1, {4, 0, 0}), shifted(2, {-1, 0, 0})});
   tool.push = true;
   const auto pushed = after({tool});
   EXPECT_EQ(moved(*pushed, {11, 11, 11}), Vec3d(4, 0, 0));
 
   // Tissue that another handle pulls ahead of the tool does not take the tool along.
-  GivenHandle ahead;
+  PlacedHandle ahead;
   ahead.corners = {Vec3d(20, 11, 11), Vec3d(20, 11, 11)};
   ahead.by = Vec3d(3, 0, 0);
   tool.path = {shifted(1, {0.1, 0.5, 0}), shifted(2, {0.5, 0.5, 0}), shifted(3, {0.5, 0, 0}),
@@ -237,7 +237,7 @@ TEST_F(PropertyHandlePath, AnEdgeTurnsBackWithItsHandle) {
       "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 2.5]]\nmin_length = [[0, 0.1]]\n"
       "shear = [[0, 1.5]]\n",
       "test");
-  GivenHandle soft;
+  PlacedHandle soft;
   soft.ball = Vec3d(12, 12, 12);
   soft.radius_mm = 2.5;
   soft.soft_mm = 5;
@@ -249,13 +249,13 @@ TEST_F(PropertyHandlePath, AnEdgeTurnsBackWithItsHandle) {
 }
 
 TEST_F(PropertyHandlePath, HandlesWithoutPathAreWhereTheyGoFromTheFirstPoseOn) {
-  GivenHandle plain;
+  PlacedHandle plain;
   plain.corners = {Vec3d(11, 11, 4), Vec3d(11, 11, 4)};
   plain.by = Vec3d(0, 0, -1);
   const auto found =
       after({plain, grabbing(kLow, kHigh, {shifted(1, {1, 0, 0}), shifted(2, {1, 1, 0})})});
   auto expected = opened();
-  StepRequest both;
+  Step both;
   both.drags = {Drag{Vec3i(11, 11, 4), {0, 0, -1}}, Drag{kPart, {1, 0, 0}}};
   expected->step(both);
   both.drags = {Drag{Vec3i(11, 11, 4), {0, 0, 0}}, Drag{kPart, {0, 1, 0}}};
@@ -269,14 +269,12 @@ TEST_F(PropertyHandlePath, ARigidPieceOnAPathKeepsItsShapeAndMeetsItsEnd) {
       "shear = [[0, 0.29]]\nlinks = 26\n",
       "test");
   const Geometry geometry = opened()->geometry();
-  std::vector<GivenPose> path = {turned(0, 0), turned(1, 12)};
+  std::vector<PlacedPose> path = {turned(0, 0), turned(1, 12)};
   path[0].by = Vec3d(0, 0, 0);
   path[1].by = Vec3d(1, 0.5, 0);
-  StepRequest rigid;
-  GivenPart part;
-  part.corners = {kLow, kHigh};
-  rigid.rigid.parts.push_back(to_part(part, geometry));
-  GivenHandle handle = grabbing(kLow, kHigh, path);
+  Step rigid;
+  rigid.rigid.parts.emplace_back().placed.emplace().corners = {kLow, kHigh};
+  PlacedHandle handle = grabbing(kLow, kHigh, path);
   handle.about = Vec3d(11, 11, 11);
   const auto found = after({handle}, rigid);
   EXPECT_EQ(found->records().back().report.fraction(), 1);
@@ -291,12 +289,12 @@ TEST_F(PropertyHandlePath, ARigidPieceOnAPathKeepsItsShapeAndMeetsItsEnd) {
 }
 
 TEST_F(PropertyHandlePath, APathThatCannotBeFollowedNamesThePose) {
-  GivenHandle left =
+  PlacedHandle left =
       grabbing({10, 11, 11}, {10, 11, 11},
                {shifted(1, {0, 0, 0}), shifted(2, {0, 0.5, 0}), shifted(3, {-9, 0.5, 0})});
-  GivenHandle right = grabbing({13, 11, 11}, {13, 11, 11}, {shifted(1, {0, 0, 0})});
+  PlacedHandle right = grabbing({13, 11, 11}, {13, 11, 11}, {shifted(1, {0, 0, 0})});
   auto session = opened();
-  StepRequest request;
+  Step request;
   request.drags = drags_along_paths({left, right}, session->geometry());
   try {
     session->step(request);
@@ -307,7 +305,7 @@ TEST_F(PropertyHandlePath, APathThatCannotBeFollowedNamesThePose) {
   }
   const Vec3d before = moved(*session, {10, 11, 11});
   EXPECT_EQ(before, Vec3d(0, 0.5, 0));
-  StepRequest further;
+  Step further;
   further.release = true;
   further.drags.push_back({kPart, {1, 0, 0}});
   EXPECT_EQ(session->step(further).report.fraction(), 1);

@@ -40,8 +40,8 @@ class UnitHeldPieces : public ::testing::Test {
   }
 
   /// The jaw goes forward beside an anchor at a voxel.
-  StepRequest advanced(const Vec3i& fixed) const {
-    StepRequest request;
+  Step advanced(const Vec3i& fixed) const {
+    Step request;
     request.drags.push_back({Region({10, 6, 3}), {0, 0.5, 0}});
     request.fix = {{fixed, fixed}};
     return request;
@@ -75,7 +75,7 @@ TEST_F(UnitHeldPieces, AnAnchorOnABoneIsNotToldNorOneFarFromAllBones) {
   EXPECT_EQ(lines_with(on, "no rigid piece is held"), 0u);
   // The only piece that is left is grabbed itself.
   Session alone(m_folder / "bones.nhdr", m_options);
-  StepRequest request = advanced({10, 6, 6});
+  Step request = advanced({10, 6, 6});
   request.remove.emplace_back();
   request.remove.back().selection = Selection();
   request.remove.back().selection->box = kSkull;
@@ -85,7 +85,7 @@ TEST_F(UnitHeldPieces, AnAnchorOnABoneIsNotToldNorOneFarFromAllBones) {
 
 TEST_F(UnitHeldPieces, FiniteElementsTellHowFarAFreeBoneTips) {
   Session free(m_folder / "bones.nhdr", m_options);
-  StepRequest request = advanced({10, 6, 13});
+  Step request = advanced({10, 6, 13});
   request.drags[0].by_mm = {0, 2, 0};
   request.fem.emplace();
   free.step(request);
@@ -103,7 +103,7 @@ TEST_F(UnitHeldPieces, FiniteElementsTellHowFarAFreeBoneTips) {
 TEST_F(UnitHeldPieces, LinksThatAJointPartsAreCounted) {
   m_options.material->rigid.reset();
   Session session(m_folder / "bones.nhdr", m_options);
-  StepRequest request;
+  Step request;
   for (const IndexBox& box : {kSkull, kJaw}) {
     request.rigid.parts.emplace_back();
     request.rigid.parts.back().selection = Selection();

@@ -25,7 +25,7 @@ TEST(UnitRemoval, DensitiesFallToThoseOfAirWithinAVoxelOfTheSurfaceOfABall) {
       "min_length = [[0, 0.8]]\nshear = [[0, 0.3]]\n",
       "test");
   Session session(folder / "block.nhdr", options);
-  StepRequest request;
+  Step request;
   ChosenPart ball;
   ball.selection = Selection();
   ball.selection->ball_index = Vec3d(9.5, 10, 10.25);

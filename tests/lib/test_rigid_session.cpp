@@ -83,14 +83,14 @@ Drag drag_of(const IndexBox& grabbed, const Vec3d& by_mm, double turn_deg = 0) {
   return drag;
 }
 
-StepRequest step_of(std::vector<Drag> drags) {
-  StepRequest request;
+Step step_of(std::vector<Drag> drags) {
+  Step request;
   request.drags = std::move(drags);
   return request;
 }
 
-StepRequest parting() {
-  StepRequest request;
+Step parting() {
+  Step request;
   request.rigid.seeds = {{7, 8, 7}, {17, 8, 7}};
   return request;
 }
@@ -112,7 +112,7 @@ TEST_F(UnitPieces, BarsThatTouchAreOnePieceUntilSeedsPartThem) {
 
 TEST_F(UnitPieces, FiniteElementsLeavePiecesRigid) {
   Session session(m_folder / "bars.nhdr", m_options);
-  StepRequest request = step_of({drag_of({{2, 7, 6}, {2, 10, 9}}, {0, 2, 0})});
+  Step request = step_of({drag_of({{2, 7, 6}, {2, 10, 9}}, {0, 2, 0})});
   request.fix = {{{29, 0, 0}, {29, 17, 15}}};
   request.fem.emplace();
   const FemRecord& pulled = session.step(request).equilibrium;
@@ -149,7 +149,7 @@ TEST_F(UnitPieces, AHandleOnAVoxelOfAPieceMovesAllOfIt) {
 TEST_F(UnitPieces, ATurnedPieceKeepsItsShapeAndItsLinksToTissueHold) {
   Session session(m_folder / "bars.nhdr", m_options);
   session.step(parting());
-  StepRequest turn = step_of({drag_of({{15, 8, 7}, {15, 8, 7}}, {0, 0, 0}, 12)});
+  Step turn = step_of({drag_of({{15, 8, 7}, {15, 8, 7}}, {0, 0, 0}, 12)});
   turn.drags[0].motion.about_lps_mm = Vec3d(12, 8.5, 11.25);
   const StepRecord& record = session.step(turn);
   EXPECT_EQ(record.report.fraction(), 1);
@@ -168,7 +168,7 @@ TEST_F(UnitPieces, ATurnedPieceKeepsItsShapeAndItsLinksToTissueHold) {
 TEST_F(UnitPieces, ATurnThatAnchorsStopGoesAPartOfItsAngle) {
   Session session(m_folder / "bars.nhdr", m_options);
   session.step(parting());
-  StepRequest turn = step_of({drag_of({{18, 8, 7}, {18, 8, 7}}, {0, 0, 0}, 15)});
+  Step turn = step_of({drag_of({{18, 8, 7}, {18, 8, 7}}, {0, 0, 0}, 15)});
   turn.drags[0].motion.about_lps_mm = Vec3d(12, 8.5, 11.25);
   turn.fix = {{{13, 12, 5}, {20, 12, 10}}, {{13, 5, 5}, {20, 5, 10}}};
   const StepRecord& record = session.step(turn);
@@ -215,7 +215,7 @@ TEST_F(UnitPieces, AStateKeepsPiecesAndPosesAndGoesOnAsIfItHadNotBeenWritten) {
   EXPECT_EQ(further.state().cuts, session.state().cuts);
   EXPECT_TRUE(further.body().links_known_valid);
   for (Session* each : {&session, &further}) {
-    StepRequest more = step_of({drag_of(kRight, {0, 0.5, 0}, -6)});
+    Step more = step_of({drag_of(kRight, {0, 0.5, 0}, -6)});
     more.release = true;
     each->step(more);
   }
@@ -230,7 +230,7 @@ TEST_F(UnitPieces, StepsTakenBackRestorePiecesPosesAndRemovedElements) {
   states.push_back(session.state());
   session.step(step_of({drag_of(kRight, {0, 0, 0}, 8)}));
   states.push_back(session.state());
-  StepRequest removal;
+  Step removal;
   ChosenPart part;
   part.selection = Selection();
   part.selection->rigid_at = Vec3i(7, 8, 7);
@@ -253,7 +253,7 @@ TEST_F(UnitPieces, WhatIsRemovedIsVoidInTheStateAndAfterIt) {
   session.drag(Vec3i(24, 8, 7), {1, 0, 0});
   const Vec3i kept(24, 8, 7), gone(7, 8, 7);
   const std::int64_t elements = session.body().elements.active_count();
-  StepRequest removal;
+  Step removal;
   ChosenPart part;
   part.selection = Selection();
   part.selection->rigid_at = gone;
@@ -292,7 +292,7 @@ TEST_F(UnitPieces, TwoHandlesOfAPieceMakeTheNearestMotionOrAreRefused) {
 
 TEST_F(UnitPieces, AScaleOfAPieceIsRefused) {
   Session session(m_folder / "bars.nhdr", m_options);
-  StepRequest scale = step_of({drag_of(kLeft, {0, 0, 0})});
+  Step scale = step_of({drag_of(kLeft, {0, 0, 0})});
   scale.drags[0].motion.scale = Vec3d(1.1);
   EXPECT_EQ(input_error([&] { session.step(scale); }),
             "grab 6,7,6:11,10,9: found a scale of rigid piece:6,7,6, expected a shift or a turn");
@@ -303,7 +303,7 @@ TEST_F(UnitPieces, RelaxationLeavesPiecesWhereTheyAre) {
   session.step(parting());
   session.step(step_of({drag_of(kRight, {1, 0.5, 0}, 8)}));
   const State before = session.state();
-  StepRequest relax;
+  Step relax;
   relax.release = true;  // not held by the handle that turned it
   relax.relax = RelaxParams();
   relax.relax->passes = 30;
@@ -331,7 +331,7 @@ TEST_F(UnitPieces, ACutThroughAPiecePartsIt) {
   for (const RigidPiece& piece : session.body().rigid.list) {
     EXPECT_EQ(piece.pose.shift_q[0], kVoxel / 2);
   }
-  StepRequest apart = step_of({drag_of({{16, 8, 7}, {16, 8, 7}}, {1, 0, 0})});
+  Step apart = step_of({drag_of({{16, 8, 7}, {16, 8, 7}}, {1, 0, 0})});
   apart.release = true;
   session.step(apart);
   EXPECT_EQ(session.body().offset({15, 8, 7}, 0), kVoxel * 3 / 2);
@@ -343,7 +343,7 @@ TEST_F(UnitPieces, APieceOfBentTissueTakesTheNearestPose) {
   Session session(m_folder / "bars.nhdr", m_options);
   session.drag(Vec3i(18, 8, 7), {0, 3, 0});
   EXPECT_GT(bend(session.body(), kRight), 0.1);
-  StepRequest rigid;
+  Step rigid;
   ChosenPart part;
   part.name = "bar";
   part.selection = Selection();
@@ -363,7 +363,7 @@ TEST_F(UnitPieces, RandomDragsNeverBendAPiece) {
   std::mt19937 random(9);
   int turned = 0, done = 0;
   for (int n = 0; n < 60; ++n) {
-    StepRequest request;
+    Step request;
     request.release = true;
     if (n % 3 == 0) request.fix = {{{0, 0, 1}, {29, 2, 15}}};
     Drag drag = drag_of({{0, 0, 0}, {0, 0, 0}}, {pick(random, -2, 2), pick(random, -2, 2), 0});
@@ -387,7 +387,7 @@ TEST_F(UnitPieces, RandomDragsNeverBendAPiece) {
 
 TEST_F(UnitPieces, AJointSpacePartsTissueHalfwayBetweenNearPieces) {
   m_options.material->rigid.reset();
-  StepRequest request;
+  Step request;
   for (const IndexBox& box : {IndexBox{{6, 7, 6}, {9, 10, 9}}, IndexBox{{14, 7, 6}, {18, 10, 9}}}) {
     ChosenPart part;
     part.selection = Selection();
@@ -429,7 +429,7 @@ TEST_F(UnitPieces, RetractionOpensACutLikeAWedgeAndLeavesItsEndsClosed) {
   retraction.in_voxels = true;
   retraction.by_mm = 3;
   retraction.width_mm = 1;
-  StepRequest request;
+  Step request;
   request.cuts = {plane};
   request.retract = {retraction};
   session.step(request);
@@ -458,7 +458,7 @@ TEST_F(UnitPieces, FiniteElementsHoldTheLipsOfARetractionWhereTheyAreDrawn) {
   plane.corner = {5, 8.5, 7};
   plane.edge1 = {20, 0, 0};
   plane.edge2 = {0, 0, 12};
-  StepRequest request;
+  Step request;
   request.cuts = {plane};
   request.retract.emplace_back();
   Retraction& retraction = request.retract.back();
@@ -477,7 +477,7 @@ TEST_F(UnitPieces, FiniteElementsHoldTheLipsOfARetractionWhereTheyAreDrawn) {
   };
   EXPECT_NEAR(gap(15, 15), 3, 1e-4);                          // the middle, at the skin
   EXPECT_NEAR(gap(10, 11), 3 * 4 * 0.25 * 0.75 * 0.5, 1e-4);  // a quarter along, half as deep
-  StepRequest by_springs;
+  Step by_springs;
   by_springs.springs = SpringStep();
   by_springs.retract = request.retract;
   const std::string error = input_error([&] { session.step(by_springs); });
@@ -491,7 +491,7 @@ TEST_F(UnitPieces, ARetractionBesideAPathOpensInEqualPartsPoseByPose) {
   plane.corner = {5, 8.5, 11};
   plane.edge1 = {20, 0, 0};
   plane.edge2 = {0, 0, 8};
-  StepRequest request;
+  Step request;
   request.cuts = {plane};
   request.retract.emplace_back();
   Retraction& retraction = request.retract.back();
@@ -524,7 +524,7 @@ TEST_F(UnitPieces, ARetractionWithoutTissueOnASideIsRefused) {
   beside.edge1 = {20, 0, 0};
   beside.edge2 = {0, 0, 20};
   beside.by_mm = 1;
-  StepRequest request;
+  Step request;
   request.retract = {beside};
   const std::string error = input_error([&] { session.step(request); });
   EXPECT_NE(error.find("scene:3: retract: found no element within 3 mm"), std::string::npos)
@@ -534,7 +534,7 @@ TEST_F(UnitPieces, ARetractionWithoutTissueOnASideIsRefused) {
 TEST_F(UnitPieces, AMaterialMayMakeRigidWhatABodyDoesNotHave) {
   m_options.material->rigid = std::pair<double, double>(250, 255);
   Session session(m_folder / "bars.nhdr", m_options);
-  StepRequest request;
+  Step request;
   request.rigid.density = NumberPair(250, 255);  // what a step names must be there
   EXPECT_NE(input_error([&] { session.step(request); }).find("found no element"),
             std::string::npos);
@@ -576,7 +576,7 @@ TEST(ExtremesRigid, TwoHundredRandomDragsOfAHeadLeaveBoneRigid) {
   int done = 0, turned = 0;
   for (int n = 0; n < 200; ++n) {
     const Vec3i at = voxel_of(body.elements, slots[random() % slots.size()]);
-    StepRequest request =
+    Step request =
         step_of({drag_of({at, at}, {pick(random, -8, 8), pick(random, -8, 8), pick(random, -8, 8)},
                          n % 4 == 0 ? pick(random, -5, 5) : 0)});
     request.drags[0].motion.axis_lps = Vec3d(pick(random, -1, 1), 1, pick(random, -1, 1));

@@ -59,7 +59,7 @@ TEST_F(UnitSession, ForcesOfCellsFollowAMaterialThatChanges) {
   };
   m_options.material = material("[[80, 1], [90, 40]]");
   Session session(m_folder / "block.nhdr", m_options);
-  StepRequest request;
+  Step request;
   request.fix.push_back({{0, 0, 0}, {7, 7, 0}});
   request.drags.push_back({Region({0, 0, 11}, {7, 7, 11}), {0, 0, 1}});
   request.relax = RelaxParams();
@@ -67,7 +67,7 @@ TEST_F(UnitSession, ForcesOfCellsFollowAMaterialThatChanges) {
   request.tells_reactions = true;
   const StepRecord relaxed = session.step(request);
   ASSERT_EQ(relaxed.reactions.size(), 1u);
-  StepRequest change;
+  Step change;
   change.material = material("[[80, 20], [90, 1]]");
   change.tells_reactions = true;
   const StepRecord record = session.step(change);
@@ -82,7 +82,7 @@ TEST_F(UnitSession, ForcesOfCellsFollowAMaterialThatChanges) {
 
   // A drag that is not relaxed has springs alone; taken back, cells press as they did.
   ASSERT_TRUE(session.undo());
-  StepRequest drag;
+  Step drag;
   drag.drags.push_back({Region({0, 0, 11}, {7, 7, 11}), {0, 0, 0.5}});
   drag.tells_reactions = true;
   const StepRecord dragged = session.step(drag);
@@ -90,7 +90,7 @@ TEST_F(UnitSession, ForcesOfCellsFollowAMaterialThatChanges) {
   EXPECT_LT((dragged.reactions[0].reaction.force_n - of_springs).length(),
             1e-9 * of_springs.length());
   ASSERT_TRUE(session.undo());
-  StepRequest nothing;
+  Step nothing;
   nothing.tells_reactions = true;
   EXPECT_EQ(session.step(nothing).reactions[0].reaction.force_n,
             relaxed.reactions[0].reaction.force_n);
@@ -133,11 +133,11 @@ TEST_F(UnitSession, AfterAStepTakenBackTheNextOneIsAsIfItHadNotBeen) {
 }
 
 TEST_F(UnitSession, AMotionAfterAStepTakenBackBeginsAtTheNodesOfFiniteElements) {
-  StepRequest pull;
+  Step pull;
   pull.fix = {{{0, 0, 0}, {23, 23, 7}}};
   pull.drags.push_back({kGrabbed, {0, 2, 0}});
   pull.fem.emplace().keeps_nodes = true;
-  StepRequest swing;
+  Step swing;
   swing.release = true;
   swing.fix = pull.fix;
   swing.fem.emplace().motion.emplace().time_s = 0.01;
@@ -235,13 +235,13 @@ TEST_F(UnitSession, HandlesArePlacedInTheMiddleOfTheirElements) {
   Selection ball;
   ball.ball_index = Vec3d(12, 12, 16);
   ball.radius_mm = 2.5;
-  std::vector<Drag> drags;
+  Step step;
   for (const Vec3i& voxel : {Vec3i(12, 12, 16), Vec3i(10, 14, 12), Vec3i(10, 14, 12)}) {
-    drags.push_back({Region(IndexBox{voxel, voxel}), {1, 0, 0}});
+    step.drags.push_back({Region(IndexBox{voxel, voxel}), {1, 0, 0}});
   }
-  drags.back().selection = ball;
-  const std::vector<HandlePlace> places = session.places(drags);
-  ASSERT_EQ(places.size(), drags.size());
+  step.drags.back().selection = ball;
+  const std::vector<HandlePlace> places = session.places(step);
+  ASSERT_EQ(places.size(), step.drags.size());
   const Vec3d expected[] = {{12, 12, 16}, {10, 14, 12}, {12, 12, 16}};
   for (std::size_t n = 0; n < places.size(); ++n) {
     EXPECT_LT((places[n].centre_index - expected[n]).length(), 1e-9) << places[n].centre_index;
@@ -250,12 +250,56 @@ TEST_F(UnitSession, HandlesArePlacedInTheMiddleOfTheirElements) {
   EXPECT_GT(places[2].elements, 30);
 }
 
+TEST_F(UnitSession, PlacesOfAStepAreTheSameInEveryFrameAndOnTheGrid) {
+  const IndexBox anchor{{4, 4, 8}, {20, 20, 9}};
+  Session gridded(m_ball, m_options);
+  Step plain;
+  plain.drags.push_back({Region(kGrabbed), {1, -0.5, 2}});
+  plain.fix.push_back(anchor);
+  plain.remove.push_back({"", 0, Selection{IndexBox{{12, 12, 4}, {12, 12, 5}}}});
+  gridded.step(plain);
+  const Geometry& geometry = gridded.geometry();
+  for (const PlaceFrame frame : {PlaceFrame::voxel, PlaceFrame::lps, PlaceFrame::ras}) {
+    const auto placed = [&](const Vec3i& voxel) {
+      const Vec3d lps = geometry.world_from_index(Vec3d(voxel));
+      if (frame == PlaceFrame::voxel) return Vec3d(voxel);
+      return frame == PlaceFrame::lps ? lps : Vec3d(-lps.x, -lps.y, lps.z);
+    };
+    const auto take = [&](const IndexBox& box, PlacedSelection& selection) {
+      selection.frame = frame;
+      selection.corners = {placed(box.lo), placed(box.hi)};
+    };
+    Step step;
+    step.place = "a.toml:7";
+    take({kGrabbed, kGrabbed}, step.handles.emplace_back());
+    step.handles.back().by_lps_mm =
+        geometry.world_vector_from_index(Vec3d(1, -0.5, 2) / geometry.spacing_mm());
+    take(anchor, step.anchors.emplace_back());
+    take({{12, 12, 4}, {12, 12, 5}}, step.remove.emplace_back().placed.emplace());
+    Session session(m_ball, m_options);
+    session.check(step);
+    EXPECT_EQ(session.places(step)[0].centre_index, Vec3d(kGrabbed));
+    const StepRecord& record = session.step(step);
+    EXPECT_EQ(session.state().q, gridded.state().q);
+    EXPECT_EQ(session.state().anchors, gridded.state().anchors);
+    EXPECT_EQ(record.removed, 2);
+    EXPECT_TRUE(record.handles.empty()) << "a record is on the grid";
+    step.handles.back().corners = {placed({0, 0, 0}), placed({0, 0, 0})};
+    try {
+      session.step(step);
+      ADD_FAILURE() << "a voxel in the air";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.problem().file, "a.toml:7");
+    }
+  }
+}
+
 TEST_F(UnitSession, AHandleThatSlidesGoesOnAlongTheAxesThatAreFree) {
   const Vec3d by(0.6, -0.4, 9);
   const auto dragged = [&](const Vec3d& by_mm, bool slides) {
     Session session(m_ball, m_options);
     session.fix({{4, 4, 8}, {20, 20, 9}});
-    StepRequest request;
+    Step request;
     request.drags.push_back({Region(kGrabbed), by_mm});
     request.drags[0].slides = slides;
     const StepRecord record = session.step(request);
@@ -299,7 +343,7 @@ TEST_F(UnitSession, WithoutRelaxationThereIsNoStiffness) {
   const auto relaxes = [&](bool asked) {
     Session session(m_ball, {});
     Heard heard;
-    StepRequest request;
+    Step request;
     request.drags.push_back({Region(kGrabbed), {0, 3, 0}});
     if (asked) request.relax = RelaxParams();
     session.step(request, &heard);

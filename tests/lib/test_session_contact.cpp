@@ -58,8 +58,8 @@ CutSurface incision(double from, double to, double lean = 0) {
   return plane;
 }
 
-StepRequest pushed(const Vec3d& by_mm, const IndexBox& lip = {{8, 9, 12}, {10, 14, 16}}) {
-  StepRequest request;
+Step pushed(const Vec3d& by_mm, const IndexBox& lip = {{8, 9, 12}, {10, 14, 16}}) {
+  Step request;
   request.drags.push_back({Region(lip), by_mm});
   return request;
 }
@@ -73,13 +73,13 @@ std::int64_t overlaps(Session& session) {
 TEST_P(PropertySessionContact, FiniteElementsTellWhereTheSidesOfACutOverlap) {
   Session session(volume(), options(""));
   session.cut(incision(4, 20));
-  StepRequest apart = pushed({-2, 0, 0});
+  Step apart = pushed({-2, 0, 0});
   apart.fix = {{{0, 0, 0}, {kLong - 1, kLong - 1, kBone - 1}}};
   apart.fem.emplace();
   apart.fem->params.set_accuracy(FemAccuracy::picture);
   EXPECT_EQ(session.step(apart).contact.left, 0);
   EXPECT_EQ(overlaps(session), 0);
-  StepRequest into = apart;
+  Step into = apart;
   into.drags[0].by_mm = {5, 0, 0};
   const StepRecord& record = session.step(into);
   EXPECT_GT(overlaps(session), 20);
@@ -100,7 +100,7 @@ TEST_P(PropertySessionContact, AnIncisionDoesNotPassThroughItself) {
 
     Session session(volume(), options(""));
     session.cut(incision(4, 20, lean));
-    StepRequest push = pushed({4, 0.5, 0});
+    Step push = pushed({4, 0.5, 0});
     push.fix = {{{12, 0, 0}, {12, 0, 0}}};
     const StepRecord& record = session.step(push);
     EXPECT_GT(record.contact.overlapping, 20);
@@ -116,10 +116,10 @@ TEST_P(PropertySessionContact, ARelaxationDoesNotPushTheLipsThroughEachOther) {
   for (const char* bone : {"", "rigid = [150, 255]\n"}) {
     Session session(volume(), options(bone));
     session.cut(incision(4, 20));
-    StepRequest push = pushed({2.5, 0, 0});
+    Step push = pushed({2.5, 0, 0});
     push.fix = {{{12, 0, 0}, {12, 0, 0}}};
     EXPECT_GT(session.step(push).contact.overlapping, 0);
-    StepRequest relax;
+    Step relax;
     relax.relax = RelaxParams();
     relax.relax->passes = 100;
     const StepRecord& record = session.step(relax);
@@ -144,7 +144,7 @@ TEST_P(PropertySessionContact, LipsOfALaterCutAreKeptApartToo) {
 TEST_P(PropertySessionContact, LipsThatAreBothHeldStopTheDragWhereTheyMeet) {
   Session session(volume(), options(""));
   session.cut(incision(-1, 25));
-  StepRequest push = pushed({6, 0, 0}, {{0, 0, 8}, {10, 23, 16}});
+  Step push = pushed({6, 0, 0}, {{0, 0, 8}, {10, 23, 16}});
   push.fix = {{{13, 0, 8}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
   const StepRecord& record = session.step(push);
   EXPECT_EQ(record.contact.left, 0);
@@ -163,7 +163,7 @@ TEST_P(PropertySessionContact, TissueOverRigidBoneDoesNotPassThroughItself) {
   for (const double lean : {0.0, 0.5}) {
     Session session(volume(), options("rigid = [150, 255]\n"));
     session.cut(incision(4, 20, lean));
-    StepRequest push = pushed({3, 0.5, 0});
+    Step push = pushed({3, 0.5, 0});
     push.fix = {{{12, 0, 0}, {12, 0, 0}}};
     const StepRecord& record = session.step(push);
     ASSERT_FALSE(session.body().rigid.empty());
@@ -179,7 +179,7 @@ TEST_P(PropertySessionContact, TissueOverRigidBoneDoesNotPassThroughItself) {
 TEST_P(PropertySessionContact, OverRigidBoneHeldLipsStopTheDragOnItsStraightWay) {
   Session session(volume(), options("rigid = [150, 255]\n"));
   session.cut(incision(-1, 25));
-  StepRequest push = pushed({4, 0, 0}, {{0, 0, 10}, {10, 23, 16}});
+  Step push = pushed({4, 0, 0}, {{0, 0, 10}, {10, 23, 16}});
   push.fix = {{{13, 0, 10}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
   const StepRecord& record = session.step(push);
   EXPECT_EQ(record.contact.left, 0);
@@ -192,7 +192,7 @@ TEST_P(PropertySessionContact, OverRigidBoneHeldLipsStopTheDragOnItsStraightWay)
 TEST_P(PropertySessionContact, LiveDragsOverRigidBoneKeepTheLipsApart) {
   Session session(volume(), options("rigid = [150, 255]\n"));
   session.cut(incision(-1, 25));
-  StepRequest push = pushed({0.4, 0, 0}, {{0, 0, 10}, {10, 23, 16}});
+  Step push = pushed({0.4, 0, 0}, {{0, 0, 10}, {10, 23, 16}});
   push.fix = {{{13, 0, 10}, {23, 23, 17}}, {{12, 0, 0}, {12, 0, 0}}};
   push.shift_pieces = true;
   int stopped = 0;
@@ -216,13 +216,13 @@ TEST_P(PropertySessionContact, TissueStopsNoDragOfBone) {
   off_bone.edge1 = {26, 0, 0};
   off_bone.edge2 = {0, 26, 0};
   session.cut(off_bone);
-  StepRequest lift = pushed({0, 0, 3}, {{4, 4, 1}, {4, 4, 1}});
+  Step lift = pushed({0, 0, 3}, {{4, 4, 1}, {4, 4, 1}});
   lift.fix = {{{0, 0, 5}, {23, 23, 16}}};
   lift.shift_pieces = true;
   session.step(lift);
   EXPECT_EQ(session.body().offset({4, 4, 1}, 2), 3 * 65536);
   // Tissue is told of where the bone comes to rest.
-  StepRequest rest;
+  Step rest;
   rest.relax = RelaxParams();
   rest.relax->passes = 4;
   EXPECT_GT(session.step(rest).contact.left, 0);
@@ -241,7 +241,7 @@ TEST_P(PropertySessionContact, TissueStopsNoDragOfBone) {
 TEST_P(PropertySessionContact, BoneThatTurnsKeepsItsShapeAndLipsPart) {
   Session session(volume(), options("rigid = [150, 255]\n"));
   session.cut(incision(4, 20));
-  StepRequest turn = pushed({0, 0, 0}, {{4, 4, 1}, {4, 4, 1}});
+  Step turn = pushed({0, 0, 0}, {{4, 4, 1}, {4, 4, 1}});
   turn.drags[0].motion.angle_deg = 1;
   turn.drags.push_back(pushed({2.2, 0.5, 0}).drags[0]);
   const StepRecord& record = session.step(turn);
@@ -268,7 +268,7 @@ TEST_P(PropertySessionContact, BoneUnderPressedTissueKeepsItsShape) {
     off_bone.edge1 = {20, 0, 0};
     off_bone.edge2 = {0, 20, 0};
     session.cut(off_bone);
-    StepRequest press = pushed({0, 0, -3}, {{11, 11, 10}, {13, 13, 11}});
+    Step press = pushed({0, 0, -3}, {{11, 11, 10}, {13, 13, 11}});
     if (bone == Bone::fixed) press.fix = {{{12, 0, 0}, {12, 0, 0}}};
     if (bone == Bone::free) press.fix = {{{0, 0, 16}, {1, 1, 16}}};
     if (bone == Bone::turned) {

@@ -169,10 +169,10 @@ void print_fem(const FemRecord& record) {
               report.largest_rotation_deg, report.largest_strain, report.bytes >> 20);
 }
 
-void print_deform(const Session& session, const SceneStep& step,
+void print_deform(const Session& session, const Step& step,
                   const InversionCertificate& certificate) {
   const StepRecord& record = session.records().back();
-  print_places(session.places(record.drags));
+  print_places(session.places(record));
   std::printf("elements        %lld\n",
               static_cast<long long>(session.body().elements.active_count()));
   if (!session.body().rigid.empty()) {
@@ -206,7 +206,7 @@ void print_deform(const Session& session, const SceneStep& step,
 void print_json(const Session& session, const std::string& output,
                 const InversionCertificate& certificate) {
   Value json = to_value(session.records().back());
-  json["handles"] = to_value(session.places(session.records().back().drags));
+  json["handles"] = to_value(session.places(session.records().back()));
   if (!session.body().rigid.empty()) json["rigid_pieces"] = to_value(session.body().rigid);
   json["elements"] = session.body().elements.active_count();
   json["fold_free_material"] = session.links().fold_free;
@@ -250,7 +250,8 @@ Command add_deform(CLI::App& program) {
   auto options = std::make_shared<DeformOptions>(*app);
   add_body_options(*app, options->body);
   ReadOptions read;
-  StepSettings settings;
+  Step step;
+  StepKeys keys;
   RelaxParams relax;
   SpringStep springs;
   FemStep fem;
@@ -275,7 +276,7 @@ Command add_deform(CLI::App& program) {
       ->option_text("TABLE");
   app->add_flag("--push", options->push,
                 "Handles only push: they move tissue ahead of them, not back");
-  scene.add("step", fields(settings));
+  scene.add("step", fields(step, keys));
   scene.add("step.relax", fields(relax), "relax-");
   scene.add("step.springs", fields(springs), "springs-");
   scene.add("step.fem", option_fields(fem));

@@ -28,9 +28,10 @@ struct KeyTable {
 
 std::vector<KeyTable> all_tables() {
   static ReadOptions read;
-  static StepSettings step;
-  static GivenHandle handle;
-  static GivenPose pose;
+  static Step step;
+  static StepKeys step_keys;
+  static PlacedHandle handle;
+  static PlacedPose pose;
   static FunctionKeys function;
   static Film film;
   static LiveEvent event;
@@ -51,10 +52,10 @@ std::vector<KeyTable> all_tables() {
   static Light light;
   return {
       {"volume", "[volume]", "", fields(read)},
-      {"step", "[[step]]", "", fields(step)},
+      {"step", "[[step]]", "", fields(step, step_keys)},
       {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "",
-       fields(static_cast<GivenSelection&>(handle))},
-      {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<GivenMotion&>(handle))},
+       fields(static_cast<PlacedSelection&>(handle))},
+      {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<PlacedMotion&>(handle))},
       {"path", "path = [{ … }] of a handle", "", fields(pose)},
       {"function", "[path] of a scene and path = { … } of a [[view]]", "", fields(function)},
       {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},

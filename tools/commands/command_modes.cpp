@@ -5,7 +5,6 @@
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/pictures/picture_options.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/run/reports.h"
@@ -68,14 +67,14 @@ void print_modes(const ModesRecord& record) {
 int run_modes(ModesOptions& options, const GlobalOptions& global, Console& console) {
   const Scene scene = scene_of(options);
   const std::vector<std::string> files =
-      files_of(options.output, scene.steps.front().fem->step.modes->count);
+      files_of(options.output, scene.steps.front().fem->modes->count);
   OutputPlan plan = check_scene(scene, "", global.force);
   for (const std::string& file : files) plan.add_state(file);
   console.claim(plan.files());
   require_memory_to_open(scene, &console);
   Session session(scene.volume_path, {scene.material, scene.labels_path, scene.read}, &console);
   check_places(scene, session.geometry());
-  const StepRecord& record = run_step(session, scene.steps.front(), false, &console);
+  const StepRecord& record = session.step(scene.steps.front(), &console);
   for (std::size_t n = 0; n < files.size(); ++n) {
     session.show_mode(int(n) + 1);
     session.write_state(files[n], &console);

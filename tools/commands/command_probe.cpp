@@ -33,7 +33,7 @@ struct ProbedPlace {
 };
 
 ProbedPlace place_at(const std::string& text, const Geometry& geometry) {
-  GivenSelection given;
+  PlacedSelection given;
   const PlaceText place = parse_place("--at", text);
   Table({{"frame", place.frame}, {"piece_at", place.numbers}}, "--at").read(fields(given));
   ProbedPlace found;

@@ -9,7 +9,6 @@
 #include "tools/scene/choice/chosen_method.h"
 #include "tools/scene/choice/run_phases.h"
 #include "tools/scene/file/draw_method.h"
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/file/step_method.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/plan_text.h"

@@ -14,7 +14,7 @@ namespace supple::tools {
 
 namespace {
 
-std::size_t fixed_count(const SceneStep& step) {
+std::size_t fixed_count(const Step& step) {
   std::size_t points = 0;
   for (const PointFile& file : step.fix_points) points += file.rows.size();
   return step.fix.size() + step.fix_labels.size() + points;
@@ -23,7 +23,7 @@ std::size_t fixed_count(const SceneStep& step) {
 void print_scene(const Scene& scene, const std::string& folder, const SceneRun& run) {
   std::printf("volume  %s\n", scene.volume_path.c_str());
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
-    const SceneStep& step = scene.steps[n];
+    const Step& step = scene.steps[n];
     std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
                 step.handles.size(), fixed_count(step), step.cuts.size(),
                 step.release ? ", releases" : "",
@@ -31,7 +31,7 @@ void print_scene(const Scene& scene, const std::string& folder, const SceneRun& 
                 : step.springs ? ", springs"
                 : step.fem     ? ", finite elements"
                                : "");
-    print_places(run.places(step));
+    print_places(run.session()->places(step));
   }
   for (const std::string& name : scene.outputs()) {
     std::printf("writes  %s\n", path_in(folder, name).c_str());
@@ -42,8 +42,8 @@ void print_scene(const Scene& scene, const std::string& folder, const SceneRun& 
 Value scene_json(const Scene& scene, const std::string& folder, const SceneRun& run) {
   Value json = {{"volume", scene.volume_path}};
   json["steps"] = Value::list();
-  for (const SceneStep& step : scene.steps) {
-    json["steps"].push_back({{"handles", to_value(run.places(step))},
+  for (const Step& step : scene.steps) {
+    json["steps"].push_back({{"handles", to_value(run.session()->places(step))},
                              {"fix", fixed_count(step)},
                              {"cuts", step.cuts.size()},
                              {"release", step.release},

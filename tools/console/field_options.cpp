@@ -173,14 +173,13 @@ void SceneOptions::set(const std::string& table, const std::string& key, Value v
 
 /// The table of that name in the root, which comes to be where it is not there.
 Value& SceneOptions::made(Value& root, const std::string& name) const {
-  const std::size_t dot = name.find('.');
-  const std::string first = name.substr(0, dot);
-  Value& entry = root[first];
-  const bool is_listed = first == "step" || first == "view";
-  if (is_listed && entry.is_null()) entry.push_back(Value::table());
-  Value& table = is_listed ? entry.back() : entry;
-  if (dot == std::string::npos) return table;
-  Value& inner = table[name.substr(dot + 1)];
+  const std::size_t dot = name.rfind('.');
+  if (dot == std::string::npos) {
+    Value& entry = root[name];
+    if (name != "step" && name != "view") return entry;
+    return entry.is_null() ? entry.push_back(Value::table()) : entry.back();
+  }
+  Value& inner = made(root, name.substr(0, dot))[name.substr(dot + 1)];
   if (inner.is_null() || inner.is_table()) return inner;
   throw InputError({"", m_names.at(full_table_name(name)), shown_text(inner) + " and a key of it",
                     "one of them"});

@@ -49,7 +49,7 @@ void add_places(Value& json, const Vec3d& rest_index, const State& state,
 }
 
 /// The middle of a voxel, box or ball, or the place of a piece; nothing of other selections.
-std::optional<Vec3d> middle_of(const GivenSelection& given, const Geometry& geometry) {
+std::optional<Vec3d> middle_of(const PlacedSelection& given, const Geometry& geometry) {
   for (const auto& place : {given.piece_at, given.rigid_at}) {
     if (place) return index_of(*place, given.frame, geometry);
   }
@@ -125,7 +125,7 @@ Value sheet_json(const CutSurface& cut, const State& state, const Displacement& 
 
 Value cut_json(const Value& keys, const CutSurface* surface, const State& state,
                const Displacement& moved) {
-  return {{"text", keys.entries().front().key},
+  return {{"text", keys.empty() ? "cut" : keys.entries().front().key},
           {"event", event_json("cut", keys)},
           {"sheet", surface == nullptr ? Value(nullptr) : sheet_json(*surface, state, moved)}};
 }

@@ -51,7 +51,8 @@ Value value_of(const toml::node& node) {
   } else if (const auto* moment = node.as_date_time()) {
     value = Value::Moment{printed(*moment)};
   }
-  return value.set_line(int(node.source().begin.line));
+  value.set_line(int(node.source().begin.line));
+  return value;
 }
 
 std::string toml_key(const std::string& key) {

@@ -115,7 +115,7 @@ class Value {
 
   /// The line of the file, from 1; 0 where there is none.
   int line() const { return m_line; }
-  Value& set_line(int line) { return m_line = line, *this; }
+  void set_line(int line) { m_line = line; }
 
   /// Whatever their lines.
   bool operator==(const Value& other) const;

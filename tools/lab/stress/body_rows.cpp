@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "lib/springs/stability.h"
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/run/scene_run.h"
 
 #ifdef SUPPLE_HAS_REFERENCE
@@ -187,7 +186,7 @@ void run_inverse(const StressInput& input, const std::string& folder, Console& c
                  MeasuredValues& all) {
   const Scene scene = read_scene(write_input(input, folder, false));
   Session session(scene.volume_path, {scene.material}, &console);
-  run_step(session, scene.steps.front(), false, &console);
+  session.step(scene.steps.front(), &console);
   const Pose& pose = session.pose(&console);
   const InversionCertificate& certificate = pose.offsets.certificate;
   all.push_back({"largest residual, voxels", certificate.residual_max, 0, 1e-3});
@@ -204,7 +203,7 @@ void run_original(const StressInput& input, const std::string& folder, Console& 
 #ifdef SUPPLE_HAS_REFERENCE
   const Scene scene = read_scene(write_input(input, folder, false));
   const Session session(scene.volume_path, {scene.material}, &console);
-  session.places(request_of(scene.steps.front(), session.geometry()).drags);
+  session.places(scene.steps.front());
   std::array<std::int32_t, 3> by_q{};
   for (int c = 0; c < 3; ++c) {
     const double q = std::round(input.by_voxels[c] * kFixedOne);

@@ -18,8 +18,8 @@ namespace {
 const char* const kHead = "build/data/ct_head.nhdr";
 const Vec3i kJaw(128, 211, 12), kSkull(128, 33, 80);
 
-StepRequest parted_jaw() {
-  StepRequest request;
+Step parted_jaw() {
+  Step request;
   ChosenPart jaw;
   jaw.name = "upper jaw";
   jaw.selection = Selection();
@@ -38,8 +38,7 @@ struct JawReport {
 };
 
 /// Whether no part of the way leaves what is dragged deeper in other bones than it is.
-bool opens(const Session& session, const OverlapJudge& judge, const StepRequest& drag,
-           double at_rest) {
+bool opens(const Session& session, const OverlapJudge& judge, const Step& drag, double at_rest) {
   constexpr int kSamples = 24;
   constexpr double kRounding = 1e-3;
   std::vector<Region> regions;
@@ -52,7 +51,7 @@ bool opens(const Session& session, const OverlapJudge& judge, const StepRequest&
 }
 
 /// A drag, and one of half its way.
-void look_at(Session& session, const OverlapJudge& judge, const StepRequest& drag, double at_rest,
+void look_at(Session& session, const OverlapJudge& judge, const Step& drag, double at_rest,
              JawReport& told) {
   const bool turns = drag.drags[0].motion.angle_deg != 0;
   const bool is_opening = opens(session, judge, drag, at_rest);
@@ -66,7 +65,7 @@ void look_at(Session& session, const OverlapJudge& judge, const StepRequest& dra
   told.stopped += whole.bones.has_value();
   session.undo();
   if (turns) return;
-  StepRequest half = drag;
+  Step half = drag;
   half.drags[0].by_mm *= 0.5;
   told.shrunk += session.step(half).report.fraction() / 2 > reached + 1e-4;
   session.undo();
@@ -77,7 +76,7 @@ void look_at(Session& session, const OverlapJudge& judge, const StepRequest& dra
 JawReport open_rami(const SessionOptions& options, int drags, Console& console) {
   const std::vector<Vec3i> rami = {{83, 150, 4}, {175, 150, 4}};
   Session session(kHead, options, &console);
-  StepRequest down;
+  Step down;
   down.rigid.joint_mm = 20;
   down.rigid.seeds = {rami[0], rami[1], kJaw};
   down.fix = {{kJaw, kJaw}};
@@ -93,7 +92,7 @@ JawReport open_rami(const SessionOptions& options, int drags, Console& console) 
     by *= 0.5 + 4.5 * std::abs(uniform(random));
     HandleMotion turn{session.geometry().world_from_index({128, 128, 21}), {1, 0, 0}};
     if (n % 2 == 1) turn.angle_deg = 8 * uniform(random);
-    StepRequest drag;
+    Step drag;
     for (const Vec3i& ramus : rami) {
       drag.drags.push_back({Region(ramus), by});
       drag.drags.back().motion = turn;
@@ -134,7 +133,7 @@ void run_bones(const StressInput& input, const std::string&, Console& console,
     report(&console, double(n) / input.operations);
     Vec3d by(8 * uniform(random), 8 * uniform(random), 8 * uniform(random));
     if (n % 2 == 0) by = Vec3d(0, std::abs(by.y), -std::abs(by.z));
-    StepRequest drag;
+    Step drag;
     drag.drags.push_back({Region(kJaw), by});
     if (n % 4 == 3) {
       drag.drags[0].motion.angle_deg = 5 * uniform(random);

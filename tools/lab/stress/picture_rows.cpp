@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/run/scene_run.h"
 
 namespace supple::tools {
@@ -89,7 +88,7 @@ void run_picture(const StressInput& input, const std::string& folder, Console& c
   if (double(view.size[0]) * view.size[1] > kMostPixelsDrawnAgain) return;
   const TransferFunction shares = view.transfer.value_or(TransferFunction());
   Session session(scene.volume_path, {scene.material}, &console);
-  run_step(session, scene.steps.front(), false, &console);
+  session.step(scene.steps.front(), &console);
   const double most_light = view.slice ? 1 : shares.ambient + shares.diffuse + shares.specular;
   measure_floats(drawn_again(scene, session, console), most_light, all);
 }

@@ -8,7 +8,6 @@
 #include <map>
 
 #include "tools/scene/choice/shipped_choices.h"
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/file/step_method.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/planned_run.h"
@@ -52,8 +51,8 @@ double way_mm(const Scene& scene, const Geometry& geometry, const std::string& o
     throw InputError({scene.file, option, found, "--table beside it, or handles of tissue"});
   };
   double longest = 0;
-  for (const SceneStep& step : scene.steps) {
-    for (const Drag& drag : request_of(step, geometry).drags) {
+  for (const Step& step : scene.steps) {
+    for (const Drag& drag : on_grid(step, geometry).drags) {
       if (drag.selection && drag.selection->rigid_at) refuse("a handle of a rigid piece");
       longest = std::max(longest, drag.by_mm.length());
     }
@@ -66,8 +65,8 @@ double way_mm(const Scene& scene, const Geometry& geometry, const std::string& o
 bool has_elements_for(const Scene& scene, const Session& session) {
   constexpr double kLeastOfLevel = 600;
   const double elements = double(session.body().elements.active_count());
-  return std::all_of(scene.steps.begin(), scene.steps.end(), [&](const SceneStep& step) {
-    const int doublings = step.fem ? step.fem->step.params.doublings : 0;
+  return std::all_of(scene.steps.begin(), scene.steps.end(), [&](const Step& step) {
+    const int doublings = step.fem ? step.fem->params.doublings : 0;
     return doublings == 0 || elements >= kLeastOfLevel * std::pow(8, doublings);
   });
 }
@@ -82,7 +81,7 @@ std::vector<MethodChoice> choices_of_plans(const Scene& scene, const std::string
   const Session session(scene.volume_path, session_options(scene), &progress);
   const double way = way_mm(scene, session.geometry(), option);
   check_places(scene, session.geometry());
-  for (const SceneStep& step : scene.steps) check_step(session, step);
+  for (const Step& step : scene.steps) session.check(step);
   std::vector<MethodChoice> choices;
   for (const auto& [method, by_method] : solved) {
     if (!has_elements_for(by_method, session)) continue;

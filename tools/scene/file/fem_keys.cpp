@@ -9,36 +9,36 @@ namespace supple::tools {
 
 namespace {
 
-GivenLoad read_load(Table& table, LoadKind kind, const LabelNames& names) {
-  GivenLoad load;
+FemLoad read_load(Table& table, LoadKind kind, const LabelNames& names) {
+  FemLoad load;
   load.kind = kind;
   table.read(load_fields(load));
   if (load.facing && *load.facing == Vec3d(0.0)) table.fail("facing", "[0, 0, 0]", "a direction");
-  load.given = read_part(table, names);
+  load.part = read_part(table, names);
   table.finish();
   return load;
 }
 
 }  // namespace
 
-GivenFem read_fem(Table& table, const LabelNames& names) {
-  GivenFem given;
-  table.read({accuracy_field(given.step)});
-  given.step.params.set_accuracy(given.step.params.accuracy);
-  table.read(fields(given.step));
+FemStep read_fem(Table& table, const LabelNames& names) {
+  FemStep fem;
+  table.read({accuracy_field(fem)});
+  fem.params.set_accuracy(fem.params.accuracy);
+  table.read(fields(fem));
   for (const LoadKind kind : {LoadKind::force, LoadKind::pressure, LoadKind::swelling}) {
     for (Table& load : table.table_or_tables(std::string(name_of(kind)) + "s")) {
-      given.loads.push_back(read_load(load, kind, names));
+      fem.loads.push_back(read_load(load, kind, names));
     }
   }
   if (auto modes = table.table("modes")) {
-    modes->read(fields(given.step.modes.emplace()));
+    modes->read(fields(fem.modes.emplace()));
     modes->finish();
-    if (!given.loads.empty()) table.fail("modes", "modes beside loads", "one of them");
+    if (!fem.loads.empty()) table.fail("modes", "modes beside loads", "one of them");
   }
   if (auto motion = table.table("motion")) {
-    if (given.step.modes) table.fail("motion", "a motion beside modes", "one of them");
-    MotionStep& step = given.step.motion.emplace();
+    if (fem.modes) table.fail("motion", "a motion beside modes", "one of them");
+    MotionStep& step = fem.motion.emplace();
     motion->read(fields(step));
     if (const auto rows = motion->rows("watch", {3}, "a list of [i, j, k]")) {
       for (const std::vector<double>& row : *rows)
@@ -46,20 +46,11 @@ GivenFem read_fem(Table& table, const LabelNames& names) {
     }
     motion->finish();
   }
-  if (const auto problem = contradiction(given.step)) {
+  if (const auto problem = contradiction(fem)) {
     table.fail(problem->field, problem->found, problem->expected);
   }
   table.finish();
-  return given;
-}
-
-FemStep fem_step(const GivenFem& given, const Geometry& geometry) {
-  FemStep step = given.step;
-  for (const GivenLoad& load : given.loads) {
-    step.loads.push_back(load);
-    step.loads.back().part = to_part(load.given, geometry);
-  }
-  return step;
+  return fem;
 }
 
 }  // namespace supple::tools

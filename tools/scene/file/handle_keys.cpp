@@ -27,7 +27,7 @@ std::optional<PointFile> read_points(Table& table, const std::string& key) {
 }
 
 /// A voxel is a box of one.
-void read_corners(Table& table, GivenSelection& given) {
+void read_corners(Table& table, PlacedSelection& given) {
   const bool in_voxels = given.frame == PlaceFrame::voxel;
   if (in_voxels) {
     if (const auto voxel = table.voxel("grab")) given.corners = {Vec3d(*voxel), Vec3d(*voxel)};
@@ -50,7 +50,7 @@ void read_corners(Table& table, GivenSelection& given) {
   }
 }
 
-void read_selection(Table& table, const LabelNames& names, GivenSelection& given) {
+void read_selection(Table& table, const LabelNames& names, PlacedSelection& given) {
   given.place = table.place("grab");
   table.read(fields(given));
   read_corners(table, given);
@@ -82,7 +82,7 @@ void read_selection(Table& table, const LabelNames& names, GivenSelection& given
   }
 }
 
-void check_turn(const Table& table, const GivenHandle& handle) {
+void check_turn(const Table& table, const PlacedHandle& handle) {
   const bool scales = handle.scale || handle.scale_axes;
   if (handle.scale && handle.scale_axes) table.fail("scale", "scale and scale_axes", "one of both");
   if (handle.rotate_deg && !handle.axis) table.fail_missing("axis", "the direction [x, y, z]");
@@ -99,8 +99,8 @@ void check_turn(const Table& table, const GivenHandle& handle) {
   }
 }
 
-GivenPose read_pose(Table& table) {
-  GivenPose pose;
+PlacedPose read_pose(Table& table) {
+  PlacedPose pose;
   pose.place = table.place();
   table.read(fields(pose));
   table.finish();
@@ -114,7 +114,7 @@ GivenPose read_pose(Table& table) {
   return pose;
 }
 
-void read_poses(Table& table, GivenHandle& handle) {
+void read_poses(Table& table, PlacedHandle& handle) {
   bool has_axis = handle.axis.has_value(), turns = false;
   for (Table& pose : table.tables("path")) {
     handle.path.push_back(read_pose(pose));
@@ -171,25 +171,25 @@ std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
 }
 
 bool has_handle(Table& table) {
-  GivenHandle handle;
+  PlacedHandle handle;
   bool found = false;
   for (const char* key : kOtherKeys) found = table.has(key) || found;
-  for (const Field& field : fields(static_cast<GivenSelection&>(handle))) {
+  for (const Field& field : fields(static_cast<PlacedSelection&>(handle))) {
     found = table.has(field.name()) || found;
   }
-  for (const Field& field : fields(static_cast<GivenMotion&>(handle))) {
+  for (const Field& field : fields(static_cast<PlacedMotion&>(handle))) {
     found = table.has(field.name()) || found;
   }
   return found;
 }
 
-GivenHandle read_handle(Table& table, const LabelNames& names) {
-  GivenHandle handle;
+PlacedHandle read_handle(Table& table, const LabelNames& names) {
+  PlacedHandle handle;
   table.know(kOtherKeys);
   table.know({"by", "by_mm_lps"});
   has_handle(table);
   read_selection(table, names, handle);
-  table.read(fields(static_cast<GivenMotion&>(handle)));
+  table.read(fields(static_cast<PlacedMotion&>(handle)));
   read_poses(table, handle);
   check_turn(table, handle);
   if (handle.is_animated()) return handle;
@@ -211,8 +211,8 @@ GivenHandle read_handle(Table& table, const LabelNames& names) {
   return handle;
 }
 
-GivenSelection read_anchor(Table& table, const LabelNames& names) {
-  GivenSelection given;
+PlacedSelection read_anchor(Table& table, const LabelNames& names) {
+  PlacedSelection given;
   table.know(kOtherKeys);
   read_selection(table, names, given);
   if (table.has("path")) table.fail("path", "in anchors", "it in handles");
@@ -222,13 +222,15 @@ GivenSelection read_anchor(Table& table, const LabelNames& names) {
   return given;
 }
 
-GivenPart read_part(Table& table, const LabelNames& names) {
-  GivenPart given;
+ChosenPart read_part(Table& table, const LabelNames& names) {
+  ChosenPart part;
   table.know(kOtherKeys);
-  given.name = table.string("name").value_or("");
-  read_selection(table, names, given);
-  if (given.points) table.fail("points", "points of a file", "a label, box, ball or densities");
-  return given;
+  part.name = table.string("name").value_or("");
+  read_selection(table, names, part.placed.emplace());
+  if (part.placed->points) {
+    table.fail("points", "points of a file", "a label, box, ball or densities");
+  }
+  return part;
 }
 
 }  // namespace supple::tools

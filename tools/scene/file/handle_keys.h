@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/session/handles.h"
+#include "lib/session/step.h"
 #include "volumes/base/table.h"
 #include "volumes/io/load/label_file.h"
 
@@ -23,10 +23,10 @@ std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
 /// Whether the table has a key of a handle: the short form of a step.
 bool has_handle(Table& table);
 /// Throws InputError unless it grabs one thing and says how that moves.
-GivenHandle read_handle(Table& table, const LabelNames& names);
+PlacedHandle read_handle(Table& table, const LabelNames& names);
 /// The keys of a selection, as of handles.
-GivenSelection read_anchor(Table& table, const LabelNames& names);
+PlacedSelection read_anchor(Table& table, const LabelNames& names);
 /// The same with labels, and a name of its own.
-GivenPart read_part(Table& table, const LabelNames& names);
+ChosenPart read_part(Table& table, const LabelNames& names);
 
 }  // namespace supple::tools

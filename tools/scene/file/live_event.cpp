@@ -43,8 +43,8 @@ Value other_keys(const Table& table, const Fields& own) {
 }
 
 void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
-  GivenHandle& handle = event.step.handles.emplace_back();
-  static_cast<GivenSelection&>(handle) = read_anchor(table, names);
+  PlacedHandle& handle = event.step.handles.emplace_back();
+  static_cast<PlacedSelection&>(handle) = read_anchor(table, names);
   handle.soft_mm = table.number("soft").value_or(0);
   handle.spares_fixed = table.boolean("spare_fixed").value_or(false);
   handle.slides = table.boolean("slide").value_or(false);
@@ -52,12 +52,12 @@ void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
 }
 
 void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
-  StepSettings settings;
-  const Fields all = fields(settings);
+  StepKeys keys;
+  const Fields all = fields(event.step, keys);
   table.require(table.string("model"), "model", "\"ecm\", \"springs\" or \"fem\"");
   table.read({all.front()});
-  read_model(table, names, settings.model, event.step);
-  if (!event.step.fem || (!event.step.fem->step.modes && !event.step.fem->step.motion)) return;
+  read_model(table, names, keys.model, event.step);
+  if (!event.step.fem || (!event.step.fem->modes && !event.step.fem->motion)) return;
   table.fail("fem", "modes or a motion", "an equilibrium; these are a `step`");
 }
 

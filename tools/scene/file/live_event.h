@@ -48,7 +48,7 @@ struct LiveEvent {
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
   Limits limits = Limits::box;
   Value keys = Value::table();  // those of the kind, as in scenes
-  SceneStep step;  // what they say; of grab and push its one handle, which does not move
+  Step step;  // what they say; of grab and push its one handle, which does not move
 
   bool is_of_view() const { return kind >= EventKind::camera; }
 };

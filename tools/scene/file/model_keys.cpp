@@ -8,9 +8,9 @@ namespace supple::tools {
 namespace {
 
 /// The table of a model; `read` of one that is left out gives the defaults.
-template <class Step, class Read>
-std::optional<Step> read_own_keys(Table& table, const std::string& name, bool is_chosen,
-                                  Read&& read) {
+template <class Settings, class Read>
+std::optional<Settings> read_own_keys(Table& table, const std::string& name, bool is_chosen,
+                                      Read&& read) {
   auto own = table.table(name);
   if (!is_chosen) {
     if (own) {
@@ -25,16 +25,16 @@ std::optional<Step> read_own_keys(Table& table, const std::string& name, bool is
       table.fail(key, std::string(key) + " beside " + name, "a step of its own for it");
     }
   }
-  return own ? read(*own) : Step();
+  return own ? read(*own) : Settings();
 }
 
 }  // namespace
 
-void read_model(Table& table, const LabelNames& names, StepModel model, SceneStep& step) {
+void read_model(Table& table, const LabelNames& names, StepModel model, Step& step) {
   step.springs =
       read_own_keys<SpringStep>(table, "springs", model == StepModel::springs, read_spring_step);
-  step.fem = read_own_keys<GivenFem>(table, "fem", model == StepModel::fem,
-                                     [&](Table& fem) { return read_fem(fem, names); });
+  step.fem = read_own_keys<FemStep>(table, "fem", model == StepModel::fem,
+                                    [&](Table& fem) { return read_fem(fem, names); });
 }
 
 }  // namespace supple::tools

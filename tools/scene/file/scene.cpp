@@ -33,18 +33,18 @@ RelaxParams read_relax(Table& table) {
 }
 
 /// What is removed and what is rigid.
-void read_parts(Table& table, const LabelNames& names, SceneStep& step) {
+void read_parts(Table& table, const LabelNames& names, Step& step) {
   for (Table& part : table.table_or_tables("remove")) {
     step.remove.push_back(read_part(part, names));
     part.finish();
   }
   for (Table& part : table.table_or_tables("rigid")) {
-    step.rigid.push_back(read_part(part, names));
+    step.rigid.parts.push_back(read_part(part, names));
     part.finish();
   }
   const auto seeds = table.rows("rigid_seeds", {3}, "a list of voxels [i, j, k]");
   for (std::size_t n = 0; seeds && n < seeds->size(); ++n) {
-    step.rigid_seeds.push_back(to_box(table, "rigid_seeds", (*seeds)[n]).lo);
+    step.rigid.seeds.push_back(to_box(table, "rigid_seeds", (*seeds)[n]).lo);
   }
 }
 
@@ -67,8 +67,8 @@ MaterialTable read_material_choice(Table& table, const LabelNames& names, std::s
   return read_material(*file, names);
 }
 
-SceneStep read_step(Table& table, const LabelNames& names) {
-  SceneStep step;
+Step read_step(Table& table, const LabelNames& names) {
+  Step step;
   step.place = table.place();
   for (Table& handle : table.tables("handles")) {
     step.handles.push_back(read_handle(handle, names));
@@ -91,27 +91,20 @@ SceneStep read_step(Table& table, const LabelNames& names) {
   }
   step.fix_labels = read_labels(table, "fix_label", names);
   read_parts(table, names, step);
-  StepSettings settings;
-  table.read(fields(settings));
-  if (settings.fix_density) {
-    GivenSelection& bone = step.anchors.emplace_back();
+  StepKeys keys;
+  table.read(fields(step, keys));
+  if (keys.fix_density) {
+    PlacedSelection& bone = step.anchors.emplace_back();
     bone.place = table.place("fix_density");
-    bone.density = settings.fix_density;
+    bone.density = keys.fix_density;
   }
-  step.rigid_density = settings.rigid_density;
-  step.joint_mm = settings.joint_mm;
-  if (step.joint_mm > 0 && step.rigid.empty() && step.rigid_seeds.empty()) {
+  if (step.rigid.joint_mm > 0 && step.rigid.parts.empty() && step.rigid.seeds.empty()) {
     table.fail("joint", "no rigid or rigid_seeds beside it", "pieces that the joint is around");
   }
-  step.release = settings.release;
-  step.no_relax = settings.no_relax;
-  step.shift_pieces = settings.shift_pieces;
-  step.turn_pieces = settings.turn_pieces;
   if (step.shift_pieces && step.turn_pieces) {
     table.fail("turn_pieces", "turn_pieces beside shift_pieces", "one of them");
   }
-  step.limits = settings.limits;
-  read_model(table, names, settings.model, step);
+  read_model(table, names, keys.model, step);
   for (Table& cut : table.tables("cut")) step.cuts.push_back(read_cut(cut, names));
   for (Table& patch : table.table_or_tables("retract")) {
     step.retract.push_back(read_retraction(patch));
@@ -142,18 +135,18 @@ void require_motion(const Scene& scene) {
     throw InputError({scene.file, "output.motion", scene.output.motion,
                       "a name without a number, as one table has all times"});
   }
-  for (const SceneStep& step : scene.steps) {
-    if (step.fem && step.fem->step.motion) return;
+  for (const Step& step : scene.steps) {
+    if (step.fem && step.fem->motion) return;
   }
   throw InputError({scene.file, "output.motion", "no motion in time",
                     "a step with model = \"fem\" and fem = { motion = { ... } }"});
 }
 
 /// Steps of finite elements hand their nodes to a motion that follows.
-void keep_nodes(std::vector<SceneStep>& steps) {
+void keep_nodes(std::vector<Step>& steps) {
   for (std::size_t n = 1; n < steps.size(); ++n) {
-    const bool is_motion = steps[n].fem && steps[n].fem->step.motion;
-    if (is_motion && steps[n - 1].fem) steps[n - 1].fem->step.keeps_nodes = true;
+    const bool is_motion = steps[n].fem && steps[n].fem->motion;
+    if (is_motion && steps[n - 1].fem) steps[n - 1].fem->keeps_nodes = true;
   }
 }
 
@@ -161,13 +154,13 @@ void keep_nodes(std::vector<SceneStep>& steps) {
 void ask_for_elements(Scene& scene) {
   if (scene.output.elements.empty()) return;
   const auto step = std::find_if(scene.steps.rbegin(), scene.steps.rend(),
-                                 [](const SceneStep& one) { return one.fem.has_value(); });
+                                 [](const Step& one) { return one.fem.has_value(); });
   if (step == scene.steps.rend()) {
     throw InputError({scene.file, scene.output.elements.front().table, "no step of finite elements",
                       "a step with model = \"fem\""});
   }
   for (const ElementOutput& output : scene.output.elements) {
-    step->fem->step.wanted.push_back(output.quantity);
+    step->fem->wanted.push_back(output.quantity);
   }
 }
 
@@ -178,17 +171,17 @@ void stretch(Film& film, bool has_frames, double time) {
 
 /// The frames show the motion of a step evenly over its time.
 void spread_motion(Scene& scene, std::size_t number, const Film& film) {
-  SceneStep& step = scene.steps[number];
+  Step& step = scene.steps[number];
   const auto refuse = [&](const char* field, const char* found, const char* expected) {
     throw InputError({step.place, field, found, expected});
   };
   if (film.frames == 0) refuse("film", "a motion in time and no frames", "film.frames");
   if (number + 1 < scene.steps.size())
     refuse("motion", "steps after it in a film", "the last step");
-  for (const SceneStep& any : scene.steps) {
+  for (const Step& any : scene.steps) {
     if (any.is_animated()) refuse("motion", "handles that follow a path", "one of them in a film");
   }
-  MotionStep& motion = *step.fem->step.motion;
+  MotionStep& motion = *step.fem->motion;
   for (int frame = 0; frame < film.frames; ++frame) {
     motion.frame_times_s.push_back(motion.time_s * frame / std::max(1, film.frames - 1));
   }
@@ -199,13 +192,13 @@ void read_film(Table& table, Scene& scene) {
   table.read(fields(film));
   table.finish();
   const bool has_frames = film.frames > 0;
-  for (const SceneStep& step : scene.steps) {
-    for (const GivenHandle& handle : step.handles) {
+  for (const Step& step : scene.steps) {
+    for (const PlacedHandle& handle : step.handles) {
       if (handle.is_animated()) stretch(film, has_frames, handle.path.back().time);
     }
   }
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
-    if (scene.steps[n].fem && scene.steps[n].fem->step.motion) spread_motion(scene, n, film);
+    if (scene.steps[n].fem && scene.steps[n].fem->motion) spread_motion(scene, n, film);
   }
   for (SceneView& view : scene.views) {
     if (!view.camera_keys.empty()) stretch(film, has_frames, view.camera_keys.back().time);
@@ -244,25 +237,13 @@ std::string description_of(const Scene& scene, const std::string& text) {
 
 }  // namespace
 
-bool SceneStep::does_nothing() const {
-  return handles.empty() && fix.empty() && fix_points.empty() && !release && fix_labels.empty() &&
-         anchors.empty() && cuts.empty() && remove.empty() && rigid.empty() &&
-         rigid_seeds.empty() && retract.empty() && !rigid_density && !relax && !springs && !fem &&
-         !material && !turn_pieces && limits != Limits::tighten;
-}
-
-bool SceneStep::is_animated() const {
-  return std::any_of(handles.begin(), handles.end(),
-                     [](const GivenHandle& handle) { return handle.is_animated(); });
-}
-
 bool Scene::films_motion() const {
-  return film && !steps.empty() && steps.back().fem && steps.back().fem->step.motion;
+  return film && !steps.empty() && steps.back().fem && steps.back().fem->motion;
 }
 
 std::size_t Scene::still_steps() const {
-  const auto first = std::find_if(steps.begin(), steps.end(),
-                                  [](const SceneStep& step) { return step.is_animated(); });
+  const auto first =
+      std::find_if(steps.begin(), steps.end(), [](const Step& step) { return step.is_animated(); });
   return std::size_t(first - steps.begin());
 }
 
@@ -302,28 +283,28 @@ std::vector<std::string> Scene::outputs() const {
   return paths;
 }
 
-Fields fields(StepSettings& settings) {
+Fields fields(Step& step, StepKeys& keys) {
   return {
-      Field("model", settings.model, {"ecm", "springs", "fem"},
+      Field("model", keys.model, {"ecm", "springs", "fem"},
             "What moves the body: Enhanced ChainMail, springs, or finite elements "
             "(docs/models)"),
-      Field("limits", settings.limits, {"box", "ball", "tighten"},
+      Field("limits", step.limits, {"box", "ball", "tighten"},
             "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
             "narrower across stretched links"),
-      Field("fix_density", settings.fix_density, "Elements of these densities stay where they are"),
-      Field("rigid_density", settings.rigid_density,
+      Field("fix_density", keys.fix_density, "Elements of these densities stay where they are"),
+      Field("rigid_density", step.rigid.density,
             "Connected parts of these densities move as rigid pieces"),
-      Field("joint", settings.joint_mm, "Part the tissue between pieces that are so near")
+      Field("joint", step.rigid.joint_mm, "Part the tissue between pieces that are so near")
           .unit("mm")
           .at_least(0),
-      Field("no_relax", settings.no_relax, "Leave drags unrelaxed, whatever the material asks for"),
-      Field("shift_pieces", settings.shift_pieces,
+      Field("no_relax", step.no_relax, "Leave drags unrelaxed, whatever the material asks for"),
+      Field("shift_pieces", step.shift_pieces,
             "Rigid pieces that nothing holds only shift with these drags, which is found sooner; "
             "they turn in the next step of ECM without it")
           .only_in_scenes(),
-      Field("turn_pieces", settings.turn_pieces, "Turn them now, with nothing else in the step")
+      Field("turn_pieces", step.turn_pieces, "Turn them now, with nothing else in the step")
           .only_in_scenes(),
-      Field("release", settings.release, "Let go of everything that is held or fixed"),
+      Field("release", step.release, "Let go of everything that is held or fixed"),
   };
 }
 

@@ -8,7 +8,6 @@
 
 #include "lib/material/material.h"
 #include "lib/session/cut_surface.h"
-#include "lib/session/handles.h"
 #include "lib/session/session.h"
 #include "tools/scene/file/fem_keys.h"
 #include "tools/scene/file/film.h"
@@ -19,33 +18,6 @@
 
 namespace supple::tools {
 
-struct SceneStep {
-  std::string place;  // "file:line", for errors
-  std::vector<GivenHandle> handles;
-  std::vector<IndexBox> fix;
-  std::vector<std::int32_t> fix_labels;
-  std::vector<PointFile> fix_points;
-  std::vector<GivenSelection> anchors;  // beside fix, fix_labels and fix_points
-  Limits limits = Limits::box;
-  bool release = false;  // lets go of everything that earlier steps held
-  std::vector<CutSurface> cuts;
-  std::vector<GivenPart> remove, rigid;
-  std::vector<Retraction> retract;
-  std::vector<Vec3i> rigid_seeds;
-  std::optional<NumberPair> rigid_density;
-  double joint_mm = 0;
-  std::optional<RelaxParams> relax;
-  bool no_relax = false;  // even where the material asks for it
-  bool shift_pieces = false, turn_pieces = false;
-  std::optional<SpringStep> springs;      // when model = "springs"
-  std::optional<GivenFem> fem;            // when model = "fem"
-  std::optional<MaterialTable> material;  // from now on
-
-  bool does_nothing() const;
-  /// Whether a handle follows a path.
-  bool is_animated() const;
-};
-
 struct Scene {
   std::string file;
   std::string volume_path;  // resolved
@@ -55,7 +27,7 @@ struct Scene {
   LabelNames label_names;   // of its segments
   std::optional<MaterialTable> material;
   std::string material_path;  // resolved; empty for an inline table
-  std::vector<SceneStep> steps;
+  std::vector<Step> steps;
   std::vector<SceneView> views;
   std::vector<OffsetFunction> path;  // of all deformed views and outputs but the state
   SceneOutput output;
@@ -76,25 +48,21 @@ struct Scene {
 
 enum class StepModel { ecm, springs, fem };
 
+/// Keys of a [[step]] that choose among members of a Step.
+struct StepKeys {
+  StepModel model = StepModel::ecm;
+  std::optional<NumberPair> fix_density;  // an anchor
+};
 /// Of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax, springs,
 /// fem.
-struct StepSettings {
-  Limits limits = Limits::box;
-  bool release = false;
-  bool no_relax = false;
-  bool shift_pieces = false, turn_pieces = false;
-  StepModel model = StepModel::ecm;
-  std::optional<NumberPair> fix_density, rigid_density;
-  double joint_mm = 0;
-};
-Fields fields(StepSettings& settings);
+Fields fields(Step& step, StepKeys& keys);
 
 /// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.
 MaterialTable read_material_choice(Table& table, const LabelNames& names,
                                    std::string* path = nullptr);
 
 /// One of [[step]].
-SceneStep read_step(Table& table, const LabelNames& names);
+Step read_step(Table& table, const LabelNames& names);
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
 Scene read_scene(const std::string& path);

@@ -14,62 +14,62 @@ namespace {
 constexpr double kSpringTime_s = 1.0;
 constexpr double kFineTolerance = 1e-6;
 
-void by_box(SceneStep&, double) {}
-void by_ball(SceneStep& step, double) {
+void by_box(Step&, double) {}
+void by_ball(Step& step, double) {
   step.limits = Limits::ball;
 }
-void by_relaxation(SceneStep& step, double passes) {
+void by_relaxation(Step& step, double passes) {
   step.no_relax = false;
   step.relax = RelaxParams();
   step.relax->passes = int(passes);
 }
-void by_elastic_relaxation(SceneStep& step, double passes) {
+void by_elastic_relaxation(Step& step, double passes) {
   by_relaxation(step, passes);
   step.relax->poisson = true;
 }
-void by_springs_at_rest(SceneStep& step, double steps) {
+void by_springs_at_rest(Step& step, double steps) {
   step.springs = SpringStep();
   step.springs->motion.minimise = true;
   step.springs->most_steps = int(steps);
 }
 template <SpringMethod integrator>
-void by_springs(SceneStep& step, double steps) {
+void by_springs(Step& step, double steps) {
   step.springs = SpringStep();
   step.springs->motion.method = integrator;
   step.springs->time_s = kSpringTime_s;
   step.springs->motion.step_s = kSpringTime_s / steps;
 }
-void by_fem(SceneStep& step, double tolerance) {
-  if (!step.fem) step.fem = GivenFem();
-  step.fem->step.params.set_accuracy(FemAccuracy::exact);  // from rest, whatever came before
-  step.fem->step.params.tolerance = tolerance;
-  step.fem->step.params.reaction_tolerance = std::max(1e-9, tolerance);
-  step.fem->step.params.max_iterations = 5000;
+void by_fem(Step& step, double tolerance) {
+  if (!step.fem) step.fem.emplace();
+  step.fem->params.set_accuracy(FemAccuracy::exact);  // from rest, whatever came before
+  step.fem->params.tolerance = tolerance;
+  step.fem->params.reaction_tolerance = std::max(1e-9, tolerance);
+  step.fem->params.max_iterations = 5000;
 }
 
 /// Elements of parts of a voxel say how far those of whole voxels are from their limit.
-void by_fine_fem(SceneStep& step, double halvings) {
+void by_fine_fem(Step& step, double halvings) {
   by_fem(step, kFineTolerance);
-  step.fem->step.halvings = int(halvings);
+  step.fem->halvings = int(halvings);
 }
 
 /// The best that elements of several voxels can do; their own error is far larger.
-void by_coarse_fem(SceneStep& step, double doublings) {
+void by_coarse_fem(Step& step, double doublings) {
   constexpr double kCoarseTolerance = 1e-4;
   by_fem(step, kCoarseTolerance);
-  step.fem->step.params.doublings = int(doublings);
+  step.fem->params.doublings = int(doublings);
 }
 
 /// The same elements, but for their dilatation, by another program.
-void by_calculix(SceneStep& step, double solver) {
+void by_calculix(Step& step, double solver) {
   by_fem(step, kFineTolerance);
-  step.fem->step.params.solver = EquationSolver(int(solver));
+  step.fem->params.solver = EquationSolver(int(solver));
 }
 
 /// The same elements by a library for any equations.
-void by_dolfinx(SceneStep& step, double tolerance) {
+void by_dolfinx(Step& step, double tolerance) {
   by_fem(step, tolerance);
-  step.fem->step.params.solver = EquationSolver::dolfinx;
+  step.fem->params.solver = EquationSolver::dolfinx;
 }
 
 bool is_by_fem(const MethodFamily& family) {
@@ -146,22 +146,22 @@ StepMethod parse_method(const std::string& text) {
 
 namespace {
 
-bool has_own_loads(const GivenFem& fem) {
-  return !fem.loads.empty() || fem.step.gravity_m_s2 != Vec3d(0);
+bool has_own_loads(const FemStep& fem) {
+  return !fem.loads.empty() || fem.gravity_m_s2 != Vec3d(0);
 }
 
 bool has_own_loads(const SpringStep& springs) {
   return !springs.motion.colliders.empty() || springs.motion.gravity_m_s2 != Vec3d(0);
 }
 
-void require_common_loads(const SceneStep& step, const StepMethod& method) {
+void require_common_loads(const Step& step, const StepMethod& method) {
   const auto refuse = [&](const char* field, const char* found, const char* expected) {
     throw InputError({step.place, field, std::string(found) + " under " + method.name(), expected});
   };
   if (step.fem && has_own_loads(*step.fem) && !is_by_fem(*method.family)) {
     refuse("fem", "forces, pressures, swellings or gravity", "handles and anchors, or fem");
   }
-  if (step.fem && step.fem->step.motion) refuse("motion", "a motion in time", "an equilibrium");
+  if (step.fem && step.fem->motion) refuse("motion", "a motion in time", "an equilibrium");
   if (step.springs && has_own_loads(*step.springs)) {
     refuse("springs", "shapes in contact or gravity", "handles and anchors");
   }
@@ -174,8 +174,8 @@ void choose_links(MaterialTable& material, const StepMethod& method) {
 }
 
 /// What the scene says of the step's solver goes, for steps without anything else altogether.
-bool take_loads_alone(SceneStep& step) {
-  const std::optional<GivenFem> fem = step.fem;
+bool take_loads_alone(Step& step) {
+  const std::optional<FemStep> fem = step.fem;
   step.relax.reset();
   step.springs.reset();
   step.fem.reset();
@@ -199,9 +199,9 @@ void solve_by(Scene& scene, const StepMethod& method) {
   } else if (method.family->links != 0) {
     throw InputError({scene.file, "material", "none under " + method.name(), "a table"});
   }
-  std::vector<SceneStep> steps;
+  std::vector<Step> steps;
   std::vector<int> kept_until = {0};  // steps that stay, of so many first ones
-  for (SceneStep& step : scene.steps) {
+  for (Step& step : scene.steps) {
     require_common_loads(step, method);
     if (take_loads_alone(step)) {
       if (step.material) choose_links(*step.material, method);
@@ -218,9 +218,9 @@ void solve_by(Scene& scene, const StepMethod& method) {
 
 void solve_to(Scene& scene, FemAccuracy accuracy) {
   bool has_fem = false;
-  for (SceneStep& step : scene.steps) {
+  for (Step& step : scene.steps) {
     if (!step.fem) continue;
-    step.fem->step.params.set_accuracy(accuracy);
+    step.fem->params.set_accuracy(accuracy);
     has_fem = true;
   }
   if (has_fem) return;

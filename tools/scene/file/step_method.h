@@ -9,8 +9,8 @@
 namespace supple::tools {
 
 struct MethodFamily : KnobFamily {
-  int links;                                    // of the material; 0: its own; kKnobLinks: the knob
-  void (*solve)(SceneStep& step, double knob);  // sets what moves the body
+  int links;                               // of the material; 0: its own; kKnobLinks: the knob
+  void (*solve)(Step& step, double knob);  // sets what moves the body
 };
 constexpr int kKnobLinks = -1;
 using StepMethod = KnobSetting<MethodFamily>;

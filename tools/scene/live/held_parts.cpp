@@ -12,7 +12,7 @@ namespace {
 Value selection_keys(const Value& all) {
   std::vector<std::string> names = {"grab", "grab_box", "at_mm",       "points", "grab_label",
                                     "soft", "push",     "spare_fixed", "slide"};
-  GivenSelection selection;
+  PlacedSelection selection;
   for (const Field& field : fields(selection)) names.push_back(field.name());
   Value keys = Value::table();
   for (const auto& [name, value] : all.entries()) {
@@ -21,23 +21,23 @@ Value selection_keys(const Value& all) {
   return keys;
 }
 
-HeldPart anchor_of(const GivenSelection& given, const Value& keys) {
+HeldPart anchor_of(const PlacedSelection& given, const Value& keys) {
   HeldPart part;
-  static_cast<GivenSelection&>(part.given) = given;
+  static_cast<PlacedSelection&>(part.given) = given;
   part.keys = keys;
   return part;
 }
 
 HeldPart anchor_of(const IndexBox& box) {
-  GivenSelection given;
+  PlacedSelection given;
   given.corners = {Vec3d(box.lo), Vec3d(box.hi)};
   return anchor_of(given, {{"grab_box", box}});
 }
 
 /// As it is held, without what moved it.
-HeldPart handle_of(const GivenHandle& moved, const Value& keys) {
+HeldPart handle_of(const PlacedHandle& moved, const Value& keys) {
   HeldPart part;
-  static_cast<GivenSelection&>(part.given) = moved;
+  static_cast<PlacedSelection&>(part.given) = moved;
   part.given.by = Vec3d(0);
   part.given.soft_mm = moved.soft_mm;
   part.given.push = moved.push;
@@ -48,7 +48,7 @@ HeldPart handle_of(const GivenHandle& moved, const Value& keys) {
 }
 
 void add_parts(const LiveSession::DoneStep& done, HeldParts& parts) {
-  const SceneStep& step = done.step;
+  const Step& step = done.step;
   const Value& keys = done.keys;
   if (step.release) parts = {};
   for (std::size_t n = 0; n < step.handles.size(); ++n) {
@@ -77,8 +77,8 @@ HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done) {
   return parts;
 }
 
-SceneStep step_that_keeps(const HeldParts& parts, Value& keys) {
-  SceneStep step;
+Step step_that_keeps(const HeldParts& parts, Value& keys) {
+  Step step;
   step.release = step.no_relax = true;
   keys = {{"release", true}, {"no_relax", true}};
   for (const HeldPart& part : parts.handles) {

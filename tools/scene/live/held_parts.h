@@ -7,8 +7,8 @@
 namespace supple::tools {
 
 struct HeldPart {
-  GivenHandle given;  // of an anchor its selection alone
-  Value keys;         // those of its selection, and how soft a handle is
+  PlacedHandle given;  // of an anchor its selection alone
+  Value keys;          // those of its selection, and how soft a handle is
 };
 
 struct HeldParts {
@@ -20,6 +20,6 @@ struct HeldParts {
 HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done);
 
 /// A step that lets go of everything but these, which stay where they are. Sets `keys` to its keys.
-SceneStep step_that_keeps(const HeldParts& parts, Value& keys);
+Step step_that_keeps(const HeldParts& parts, Value& keys);
 
 }  // namespace supple::tools

@@ -1,13 +1,12 @@
 // The part of a live session that takes steps back, makes them again, and takes out one of them.
 
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/live/live_session.h"
 
 namespace supple::tools {
 
 /// Of the next step. It follows from the events as a journal has them, in which a relaxation is as
 /// many as it had slices, and what settles drags is a step of its own.
-int LiveSession::stroke_of(EventKind kind, const SceneStep& step) {
+int LiveSession::stroke_of(EventKind kind, const Step& step) {
   const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
   const bool settles = step.turn_pieces || (step.fem && step.handles.empty());
   if (settles && !m_done.empty() && m_done.back().kind == EventKind::drag) {
@@ -39,7 +38,7 @@ void LiveSession::take_back(bool whole_stroke, bool looks) {
 /// The same body gives the same again. Steps since a cut that is not there may get further, or less
 /// far, but nothing is grabbed then that would count on where they got to.
 void LiveSession::make_again(const DoneStep& done, Progress* progress) {
-  run_step(*m_session, done.step, false, progress);
+  m_session->step(done.step, progress);
   m_reached = done.reached;
   m_done.push_back(done);
 }

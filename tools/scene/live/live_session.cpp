@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/live/held_parts.h"
 #include "tools/scene/live/live_record.h"
 #include "tools/scene/live/model_price.h"
@@ -108,10 +107,10 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
   switch (event.kind) {
     case EventKind::grab:
     case EventKind::push: {
-      SceneStep asked = event.step;
+      Step asked = event.step;
       asked.handles.front().by = Vec3d(0);
-      check_step(asked, m_session->geometry());
-      check_step(*m_session, asked);
+      check_places(asked, m_session->geometry());
+      m_session->check(asked);
       m_grab = event;
       m_reached = Vec3d(0);
       m_led.reset();
@@ -162,7 +161,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   }
   const Vec3d by = event.to - m_reached;
   if (by == Vec3d(0)) return;
-  SceneStep step;
+  Step step;
   step.place = event.place;
   step.handles = m_grab->step.handles;
   step.handles.front().by = by;
@@ -173,7 +172,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   } else {
     step.limits = m_limits;
   }
-  check_step(step, m_session->geometry());
+  check_places(step, m_session->geometry());
   Value handle = m_grab->keys;
   handle["by"] = by;
   if (step.handles.front().push) handle["push"] = true;
@@ -210,7 +209,7 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   const bool is_unsettled = !event.restore && (is_for_fem || m_session->has_shifted_pieces());
   if (event.all) {
     if (is_unsettled) settle_drags(progress);
-    SceneStep step;
+    Step step;
     step.place = event.place;
     step.release = true;
     run(event.kind, step, {{"release", true}}, progress);
@@ -257,13 +256,13 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
   if (settles) settle_drags(progress);
   list.erase(list.begin() + number - 1);
   Value keys;
-  SceneStep step = step_that_keeps(parts, keys);
+  Step step = step_that_keeps(parts, keys);
   step.place = event.place;
   run(event.kind, step, keys, progress);
 }
 
-void LiveSession::run(EventKind kind, const SceneStep& step, Value keys, Progress* progress) {
-  run_step(*m_session, step, false, progress);
+void LiveSession::run(EventKind kind, const Step& step, Value keys, Progress* progress) {
+  m_session->step(step, progress);
   m_undone.clear();
   m_undone_looks.clear();
   m_done.push_back(
@@ -290,7 +289,7 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
   LiveEvent slice = event;
   slice.step.relax->passes = std::min(passes, kSlicePasses);
   slice.keys["passes"] = slice.step.relax->passes;
-  SceneStep step;
+  Step step;
   step.place = event.place;
   step.relax = slice.step.relax;
   run(event.kind, step, {{"relax", relax_keys(*slice.step.relax)}}, progress);

@@ -60,7 +60,7 @@ class LiveSession {
     EventKind kind;
     int stroke;
     int order;  // among steps, looks and clips
-    SceneStep step;
+    Step step;
     Value keys;  // of a [[step]]
     Vec3d reached_before;
     Vec3d reached;
@@ -109,9 +109,9 @@ class LiveSession {
   void release(const LiveEvent& event, Progress* progress);
   void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);
   void take_out_cut(const LiveEvent& event, Progress* progress);
-  void run(EventKind kind, const SceneStep& step, Value keys, Progress* progress);
+  void run(EventKind kind, const Step& step, Value keys, Progress* progress);
   void settle_drags(Progress* progress);
-  int stroke_of(EventKind kind, const SceneStep& step);
+  int stroke_of(EventKind kind, const Step& step);
   bool take_back();
   void take_back(bool whole_stroke, bool looks);
   void make_again(const DoneStep& done, Progress* progress);

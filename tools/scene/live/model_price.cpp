@@ -1,13 +1,12 @@
 #include "tools/scene/live/model_price.h"
 
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/plan/model_plan.h"
 
 namespace supple::tools {
 
 std::optional<ModelPrice> price_of(const LiveEvent& model, const Session& session) {
   if (!model.step.springs && !model.step.fem) return std::nullopt;
-  const StepRequest request = request_of(model.step, session.geometry());
+  const Step request = on_grid(model.step, session.geometry());
   const ModelPlan plan = plan_model(request, session, read_costs(calibration_file()));
   return ModelPrice{price_text(plan, request, session), plan.seconds};
 }

@@ -52,7 +52,7 @@ std::string cut_text(const LiveSession::DoneStep& done) {
                           : "cut by a " + shape;
 }
 
-std::string release_text(const SceneStep& step) {
+std::string release_text(const Step& step) {
   const std::size_t kept = step.handles.size() + step.anchors.size();
   return kept == 0 ? "let go of everything" : "let go of one, " + std::to_string(kept) + " stay";
 }
@@ -73,7 +73,7 @@ std::string anchor_text(const LiveSession::DoneStep& done) {
 
 /// Of a step of a scene, by what it does first.
 std::string scene_step_text(const LiveSession::DoneStep& done) {
-  const SceneStep& step = done.step;
+  const Step& step = done.step;
   if (step.release) return release_text(step);
   if (!step.cuts.empty()) return cut_text(done);
   if (!step.handles.empty()) return drag_text(done, step.handles.front().by.value_or(Vec3d(0)));
@@ -82,7 +82,7 @@ std::string scene_step_text(const LiveSession::DoneStep& done) {
   if (step.fem) return "finite elements";
   if (step.springs) return "springs";
   if (step.turn_pieces) return "turn of rigid pieces";
-  if (!step.rigid.empty() || !step.rigid_seeds.empty() || step.rigid_density || step.joint_mm > 0) {
+  if (!step.rigid.empty() || step.rigid.joint_mm > 0) {
     return "rigid pieces";
   }
   if (!step.anchors.empty() || !step.fix.empty() || !step.fix_labels.empty()) {

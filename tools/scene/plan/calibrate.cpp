@@ -214,7 +214,7 @@ void Calibration::measure_files(const State& at_rest, const State& moved) {
 void Calibration::measure_motion() {
   const auto step = [&](bool is_fem) {
     Session session(m_lips, with_material());
-    StepRequest request;
+    Step request;
     request.drags.push_back({middle_of(session), Vec3d(0, 0, 1)});
     const Vec3i& dims = session.geometry().dims();
     request.fix.push_back({{0, 0, 0}, {3, dims.y - 1, dims.z - 1}});  // one end of both

@@ -58,7 +58,7 @@ double element_count(const Session& session) {
 }
 
 /// Elements of the fixed boxes, and of rigid pieces that these hold as wholes.
-SlotSet fixed_elements(const StepRequest& request, const Session& session) {
+SlotSet fixed_elements(const Step& request, const Session& session) {
   const Body& body = session.body();
   SlotSet fixed;
   for (const IndexBox& box : request.fix) fixed.add(elements_of(body, Region(box), "fix"));
@@ -123,7 +123,7 @@ ModelPlan plan_springs(const SpringStep& springs, const Session& session, const 
           count * (kSpringStart + steps * work) * costs.spring * 1e-9};
 }
 
-ModelPlan plan_finite_elements(const StepRequest& request, const Session& session,
+ModelPlan plan_finite_elements(const Step& request, const Session& session,
                                const UnitCosts& costs) {
   const FemStep& fem = *request.fem;
   const double parts = std::pow(8, fem.halvings);
@@ -163,12 +163,12 @@ std::string two_digits(double value) {
 
 }  // namespace
 
-ModelPlan plan_model(const StepRequest& request, const Session& session, const UnitCosts& costs) {
+ModelPlan plan_model(const Step& request, const Session& session, const UnitCosts& costs) {
   return request.springs ? plan_springs(*request.springs, session, costs)
                          : plan_finite_elements(request, session, costs);
 }
 
-std::string price_text(const ModelPlan& plan, const StepRequest& request, const Session& session) {
+std::string price_text(const ModelPlan& plan, const Step& request, const Session& session) {
   return std::string(request.springs ? "springs" : "finite elements") + " on " +
          count_text(element_count(session), "elements") + ": some " + two_digits(plan.seconds) +
          " s and " + two_digits(plan.bytes * 1e-9) + " GB for each " +

@@ -32,7 +32,7 @@ std::string bricks_text(double count);
 std::string count_text(double count, const std::string& what);
 
 /// The rows of a step, and what it moves. `links`: per element, of the scene's material.
-MovedBricks plan_step(const SceneStep& step, int number, int links, const Session& session,
+MovedBricks plan_step(const Step& step, int number, int links, const Session& session,
                       const State& state, const MovedBricks& before, const UnitCosts& costs,
                       PlanLedger& ledger);
 

@@ -155,7 +155,7 @@ void ScenePlanner::plan_steps() {
   // A method may have chosen other links since the session was opened.
   int links = m_scene.material ? m_scene.material->links : m_subject.session->material().links;
   for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
-    const SceneStep& step = m_scene.steps[n];
+    const Step& step = m_scene.steps[n];
     if (step.material) links = step.material->links;
     m_moved = plan_step(step, int(n) + 1, links, *m_subject.session, m_subject.state, m_moved,
                         m_costs, m_ledger);
@@ -194,8 +194,9 @@ std::string ScenePlanner::asks_for_inverse() const {
 
 /// A joint parts tissue, too.
 bool ScenePlanner::is_cut() const {
-  return std::any_of(m_scene.steps.begin(), m_scene.steps.end(),
-                     [](const SceneStep& step) { return !step.cuts.empty() || step.joint_mm > 0; });
+  return std::any_of(m_scene.steps.begin(), m_scene.steps.end(), [](const Step& step) {
+    return !step.cuts.empty() || step.rigid.joint_mm > 0;
+  });
 }
 
 /// Of the bricks that move, those in which the views after a step read offsets.

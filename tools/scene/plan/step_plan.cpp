@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/plan/model_plan.h"
 #include "tools/scene/plan/plan_ledger.h"
 #include "volumes/grid/labels.h"
@@ -79,7 +78,7 @@ void grow(std::vector<std::uint8_t>& bricks, const BrickTopology& elements) {
 /// One step while its rows are made.
 class StepPlan {
  public:
-  StepPlan(const SceneStep& step, int number, int links, const Session& session, const State& state,
+  StepPlan(const Step& step, int number, int links, const Session& session, const State& state,
            const UnitCosts& costs, PlanLedger& ledger)
       : m_stage("step " + std::to_string(number)),
         m_links(links),
@@ -87,7 +86,7 @@ class StepPlan {
         m_state(state),
         m_costs(costs),
         m_ledger(ledger),
-        m_request(request_of(step, session.geometry())) {}
+        m_request(on_grid(step, session.geometry())) {}
 
   MovedBricks plan(const MovedBricks& before);
 
@@ -111,7 +110,7 @@ class StepPlan {
   const State& m_state;
   const UnitCosts& m_costs;
   PlanLedger& m_ledger;
-  StepRequest m_request;
+  Step m_request;
   double m_beside_joints = 0;  // bricks, once the pieces are planned
 };
 
@@ -264,7 +263,7 @@ MovedBricks StepPlan::plan(const MovedBricks& before) {
 
 }  // namespace
 
-MovedBricks plan_step(const SceneStep& step, int number, int links, const Session& session,
+MovedBricks plan_step(const Step& step, int number, int links, const Session& session,
                       const State& state, const MovedBricks& before, const UnitCosts& costs,
                       PlanLedger& ledger) {
   return StepPlan(step, number, links, session, state, costs, ledger).plan(before);

@@ -57,7 +57,7 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_o
   for (const std::string& input : {scene.labels_path, scene.material_path, scene.warp_path}) {
     if (!input.empty()) plan.protect(input);
   }
-  for (const SceneStep& step : scene.steps) {
+  for (const Step& step : scene.steps) {
     for (const CutSurface& cut : step.cuts) {
       if (cut.mesh) plan.protect(cut.place);
     }
@@ -83,7 +83,7 @@ bool needs_body(const Scene& scene) {
 }
 
 void check_places(const Scene& scene, const Geometry& geometry) {
-  for (const SceneStep& step : scene.steps) check_step(step, geometry);
+  for (const Step& step : scene.steps) check_places(step, geometry);
   to_path(scene.path, geometry);
   for (const SceneView& view : scene.views) to_path(view.path, geometry);
 }
@@ -162,11 +162,7 @@ void SceneRun::open_volume_alone() {
 }
 
 void SceneRun::check_steps() const {
-  for (const SceneStep& step : m_scene.steps) check_step(*m_session, step);
-}
-
-std::vector<HandlePlace> SceneRun::places(const SceneStep& step) const {
-  return m_session->places(request_of(step, m_state.geometry).drags);
+  for (const Step& step : m_scene.steps) m_session->check(step);
 }
 
 void SceneRun::run() {
@@ -185,7 +181,9 @@ void SceneRun::run() {
 /// Nothing reads what was of the body before.
 void SceneRun::solve(std::size_t n, double time) {
   forget_pose();
-  run_step(*m_session, m_scene.steps[n], m_tells_reactions, &m_progress, time);
+  Step step = m_scene.steps[n];
+  step.tells_reactions = m_tells_reactions;
+  m_session->step(step, &m_progress, time);
 }
 
 void SceneRun::make_folders() const {

@@ -8,7 +8,6 @@
 #include <string>
 
 #include "lib/session/session.h"
-#include "tools/scene/file/run_step.h"
 #include "tools/scene/file/scene.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/frames.h"
@@ -53,8 +52,6 @@ class SceneRun {
 
   /// Throws InputError, with the place in the scene, where a handle or a fixed voxel is no element.
   void check_steps() const;
-  /// The elements that the handles of a step grab.
-  std::vector<HandlePlace> places(const SceneStep& step) const;
 
   /// Solves and draws everything first, so that a scene that fails leaves nothing behind. Of a film
   /// every frame stands by itself: its files appear when all of them are complete.
