@@ -176,7 +176,8 @@ class PeerPipeline {
     VtkPicture picture = m_picture;
     picture.is_fresh = true;
     const VtkAnswer frame = m_vtk_session->draw(picture);
-    const double warp_growth = warp.at("peak_mbytes").number() - warp.at("base_mbytes").number();
+    const double warp_growth =
+        warp.at("peak_mbytes").get<double>() - warp.at("base_mbytes").get<double>();
     return result.add(warp.at("warp_ms"), frame.frame_ms,
                       std::max(warp_growth, frame.growth_mbytes));
   }
