@@ -8,6 +8,7 @@
 #include "lib/session/selection.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/errors.h"
+#include "volumes/base/json.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -180,7 +181,7 @@ TEST(UnitSelection, AnEdgeDoesNotReachAcrossACut) {
 TEST(UnitSelection, AForgedSelectionIsRefused) {
   for (const char* text : {"{}", "[]", "{\"grab_density\":[1]}", "{\"grab_ball\":[1,2,3]}",
                            "{\"piece_at\":[1,2,1e300]}", "{\"grab_box\":\"all\"}"}) {
-    EXPECT_NE(input_error([&] { selection_from_json(text, "x.vdb"); }).find("x.vdb"),
+    EXPECT_NE(input_error([&] { selection_of(parse_json(text), "x.vdb"); }).find("x.vdb"),
               std::string::npos)
         << text;
   }

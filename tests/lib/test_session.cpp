@@ -256,7 +256,9 @@ TEST_F(UnitSession, PlacesOfAStepAreTheSameInEveryFrameAndOnTheGrid) {
   Step plain;
   plain.drags.push_back({Region(kGrabbed), {1, -0.5, 2}});
   plain.fix.push_back(anchor);
-  plain.remove.push_back({"", 0, Selection{IndexBox{{12, 12, 4}, {12, 12, 5}}}});
+  Selection gone;
+  gone.box = IndexBox{{12, 12, 4}, {12, 12, 5}};
+  plain.remove.push_back({"", 0, gone});
   gridded.step(plain);
   const Geometry& geometry = gridded.geometry();
   for (const PlaceFrame frame : {PlaceFrame::voxel, PlaceFrame::lps, PlaceFrame::ras}) {
