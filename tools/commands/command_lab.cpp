@@ -6,8 +6,8 @@
 #include "tools/console/program_version.h"
 #include "tools/lab/options/lab_options.h"
 #include "tools/scene/plan/calibrate.h"
-#include "volumes/base/own_process.h"
 #include "volumes/base/json.h"
+#include "volumes/base/own_process.h"
 
 namespace supple::tools {
 
