@@ -97,12 +97,14 @@ Ends read_ends(std::ifstream& in, std::uint64_t length) {
 }
 
 /// Digest of the first `bytes` bytes, the UUID taken as zeros.
-std::string payload_digest(std::ifstream& in, std::uint64_t bytes, const std::string& path) {
+std::string payload_digest(std::ifstream& in, std::uint64_t bytes, const std::string& path,
+                           const Progress* progress) {
   Sha256 hash;
   std::vector<char> block(std::size_t(1) << 20);
   in.clear();
   in.seekg(0);
   for (std::uint64_t at = 0; at < bytes; at += block.size()) {
+    poll(progress);
     const std::uint64_t size = std::min<std::uint64_t>(block.size(), bytes - at);
     in.read(block.data(), std::streamsize(size));
     if (!in) throw SystemError(path + ": cannot read");
@@ -114,11 +116,11 @@ std::string payload_digest(std::ifstream& in, std::uint64_t bytes, const std::st
 
 }  // namespace
 
-void seal_vdb(const std::string& path, VdbKind kind) {
+void seal_vdb(const std::string& path, VdbKind kind, const Progress* progress) {
   const std::uint64_t length = file_length(path);
   std::ifstream in(path, std::ios::binary);
   if (!in || length < kHeadBytes) throw SystemError(path + ": cannot read back");
-  const std::string digest = payload_digest(in, length, path);
+  const std::string digest = payload_digest(in, length, path, progress);
 
   errno = 0;
   std::fstream out(path, std::ios::binary | std::ios::in | std::ios::out);
@@ -151,7 +153,7 @@ void verify_vdb_seal(const std::string& path, VdbKind kind) {
 
   // The trailer that these bytes should have: any other byte in it is damage, too.
   const std::uint64_t payload_bytes = length - kTrailerBytes;
-  const std::string digest = payload_digest(in, payload_bytes, path);
+  const std::string digest = payload_digest(in, payload_bytes, path, nullptr);
   if (ends.trailer != make_trailer(mark, payload_bytes, digest) || ends.uuid != uuid_of(digest)) {
     throw InputError(
         {path, "checksum", "damaged content", "the length and SHA-256 that its trailer states"});

@@ -10,6 +10,8 @@
 
 #include <string>
 
+#include "volumes/base/progress.h"
+
 namespace supple {
 
 /// Who wrote a file, by its first and last bytes.
@@ -28,8 +30,8 @@ constexpr const char* kStateMetadataPrefix = "supple_";
 constexpr const char* kVolumeMetadataPrefix = "supple-";
 
 /// Replaces the UUID and appends the trailer to a complete OpenVDB stream of ours.
-/// Throws SystemError when the file cannot be written.
-void seal_vdb(const std::string& path, VdbKind kind);
+/// Throws SystemError when the file cannot be written, Cancelled.
+void seal_vdb(const std::string& path, VdbKind kind, const Progress* progress = nullptr);
 
 /// Throws InputError: missing, a folder, not OpenVDB, someone else's OpenVDB file, no trailer,
 /// another length or digest than the trailer says.

@@ -29,17 +29,19 @@ class GridArchive : public openvdb::io::Archive {
  public:
   GridArchive(const InputFile& file, VdbTrust trust) : m_file(file), m_trust(trust) {}
 
+  openvdb::MetaMap read_metadata() {
+    FileBuffer buffer(m_file);
+    std::istream in(&buffer);
+    VdbContent content;
+    read_head(in, content);
+    return content.metadata;
+  }
+
   VdbContent read(const std::function<bool(const std::string&)>& stops) {
     FileBuffer buffer(m_file);
     std::istream in(&buffer);
-    in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-    readHeader(in);
-    auto about = std::make_shared<openvdb::io::StreamMetadata>();
-    openvdb::io::setStreamMetadataPtr(in, about, /*transfer=*/false);
-    openvdb::io::setVersion(in, libraryVersion(), fileVersion());
-    openvdb::io::setDataCompression(in, compression());
     VdbContent content;
-    content.metadata.readMeta(in);
+    auto about = read_head(in, content);
     const int count = readGridCount(in);
     for (int n = 0; n < count; ++n) {
       openvdb::io::GridDescriptor descriptor;
@@ -56,6 +58,17 @@ class GridArchive : public openvdb::io::Archive {
   }
 
  private:
+  openvdb::io::StreamMetadata::Ptr read_head(std::istream& in, VdbContent& content) {
+    in.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+    readHeader(in);
+    auto about = std::make_shared<openvdb::io::StreamMetadata>();
+    openvdb::io::setStreamMetadataPtr(in, about, /*transfer=*/false);
+    openvdb::io::setVersion(in, libraryVersion(), fileVersion());
+    openvdb::io::setDataCompression(in, compression());
+    content.metadata.readMeta(in);
+    return about;
+  }
+
   /// What readGrid() does with a grid as Supple writes it, but for the leaves.
   void read_in_ranges(openvdb::GridBase& grid, std::istream& in,
                       openvdb::io::StreamMetadata::Ptr& of_file) {
@@ -110,22 +123,65 @@ class GridWriter : public openvdb::io::Archive {
   }
 };
 
+/// The result of `read`, with errors as read_vdb_grids() throws them.
+template <class Read>
+auto read_archive(const std::string& path, VdbTrust trust, const Read& read) {
+  const InputFile file(path);
+  try {
+    GridArchive archive(file, trust);
+    return read(archive, file);
+  } catch (const std::bad_alloc&) {
+    throw SystemError(path + ": not enough memory");
+  } catch (const std::exception& error) {
+    throw InputError({path, "", std::string(error.what()).substr(0, kMaxMessage), "OpenVDB grids"});
+  }
+}
+
+/// A file that is written until the user asks to stop: a write throws Cancelled then, which a
+/// stream with exceptions hands on.
+class PolledFile : public std::filebuf {
+ public:
+  explicit PolledFile(const Progress* progress) : m_progress(progress) {}
+
+ protected:
+  std::streamsize xsputn(const char* bytes, std::streamsize count) override {
+    constexpr std::streamsize kBetweenPolls = std::streamsize(1) << 20;
+    m_unpolled += count;
+    if (m_unpolled >= kBetweenPolls) {
+      m_unpolled = 0;
+      poll(m_progress);
+    }
+    return std::filebuf::xsputn(bytes, count);
+  }
+
+ private:
+  const Progress* m_progress;
+  std::streamsize m_unpolled = 0;
+};
+
 void write_throwing(const std::string& path, const std::vector<OutgoingGrid>& grids,
-                    const openvdb::MetaMap& metadata) {
+                    const openvdb::MetaMap& metadata, const Progress* progress) {
   require_memory(kWorkingBytes);
-  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  PolledFile file(progress);
+  std::ostream out(&file);
   out.exceptions(std::ios::failbit | std::ios::badbit);
+  const auto require = [&](const void* done) {
+    if (done == nullptr) out.setstate(std::ios::failbit);
+  };
+  require(file.open(path, std::ios::out | std::ios::binary | std::ios::trunc));
   GridWriter().write_all(out, grids, metadata);
-  out.close();
+  require(file.close());
 }
 
 }  // namespace
 
 void write_vdb_stream(const AtomicFile& file, const std::vector<OutgoingGrid>& grids,
-                      const openvdb::MetaMap& metadata) {
+                      const openvdb::MetaMap& metadata, const Progress* progress) {
   errno = 0;
   try {
-    write_throwing(file.path(), grids, metadata);
+    write_throwing(file.path(), grids, metadata, progress);
+  } catch (const Cancelled&) {
+    throw;
   } catch (const std::bad_alloc&) {
     throw SystemError(file.final_path() + ": not enough memory");
   } catch (const std::exception&) {
@@ -136,15 +192,17 @@ void write_vdb_stream(const AtomicFile& file, const std::vector<OutgoingGrid>& g
 
 VdbContent read_vdb_grids(const std::string& path, VdbTrust trust,
                           const std::function<bool(const std::string& name)>& stops) {
-  const InputFile file(path);
-  try {
+  return read_archive(path, trust, [&](GridArchive& archive, const InputFile& file) {
     require_memory(kWorkingBytes + 4 * file.size());
-    return GridArchive(file, trust).read(stops);
-  } catch (const std::bad_alloc&) {
-    throw SystemError(path + ": not enough memory");
-  } catch (const std::exception& error) {
-    throw InputError({path, "", std::string(error.what()).substr(0, kMaxMessage), "OpenVDB grids"});
-  }
+    return archive.read(stops);
+  });
+}
+
+openvdb::MetaMap read_vdb_metadata(const std::string& path) {
+  return read_archive(path, VdbTrust::sealed, [](GridArchive& archive, const InputFile&) {
+    require_memory(kWorkingBytes);
+    return archive.read_metadata();
+  });
 }
 
 void attach_affine(openvdb::GridBase& grid, const Geometry& geometry) {

@@ -13,6 +13,7 @@
 #include <tbb/parallel_for.h>
 
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/progress.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_topology.h"
 #include "volumes/grid/vdb_grid.h"
@@ -87,9 +88,10 @@ OutgoingGrid make_outgoing_grid(const char* name, const BrickTopology& bricks,
 /// space.
 void attach_affine(openvdb::GridBase& grid, const Geometry& geometry);
 
-/// Writes a complete stream to the temporary name. Throws SystemError.
+/// Writes a complete stream to the temporary name. Throws SystemError, and Cancelled within a
+/// megabyte.
 void write_vdb_stream(const AtomicFile& file, const std::vector<OutgoingGrid>& grids,
-                      const openvdb::MetaMap& metadata);
+                      const openvdb::MetaMap& metadata, const Progress* progress = nullptr);
 
 struct VdbContent {
   openvdb::GridPtrVec grids;
@@ -105,5 +107,8 @@ enum class VdbTrust { sealed, foreign };
 /// memory.
 VdbContent read_vdb_grids(const std::string& path, VdbTrust trust,
                           const std::function<bool(const std::string& name)>& stops);
+
+/// The metadata of a file without its grids. Throws as read_vdb_grids().
+openvdb::MetaMap read_vdb_metadata(const std::string& path);
 
 }  // namespace supple
