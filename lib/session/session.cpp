@@ -16,6 +16,7 @@
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/state/state_outputs.h"
+#include "volumes/state/state_source.h"
 
 namespace supple {
 
@@ -52,16 +53,12 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
   Progress* progress = &listener;
   if (options.material) m_material = *options.material;
   if (is_state_file(path)) {
-    require_unused(options.read, path);
-    m_state = read_state(path, progress);
-    if (!options.material) {
-      m_material = parse_material(m_state.material_toml, path + " material");
-    }
+    open_state(path, options, progress);
   } else {
     if (!options.material || m_material.fits_domain || m_material.finds_foreground) {
       choose_material(path, options, progress);
     }
-    open_volume_file(path, options.read, progress);
+    open_volume_file(path, options, progress);
   }
   if (!options.labels_path.empty()) open_labels(options.labels_path, progress);
   warn_of_material(progress);
@@ -119,12 +116,24 @@ void Session::find_foreground(const std::string& path, const SessionOptions& opt
                      (m_material.components == 1 ? ", their largest connected part" : ""));
 }
 
-void Session::open_volume_file(const std::string& path, const ReadOptions& read,
+void Session::open_state(const std::string& path, const SessionOptions& options,
+                         Progress* progress) {
+  require_unused(options.read, path);
+  m_state = read_state(path, progress);
+  if (!options.refers) m_state.source.reset();
+  if (options.refers && !m_state.source) {
+    throw InputError({path, "refer", "a state that holds its densities",
+                      "a volume, or a state that refers to one"});
+  }
+  if (!options.material) m_material = parse_material(m_state.material_toml, path + " material");
+}
+
+void Session::open_volume_file(const std::string& path, const SessionOptions& options,
                                Progress* progress) {
   std::vector<CountedRange> counted = tissue_ranges(m_material);
-  ElementVolume loaded =
-      load_elements(*open_volume(path, read, progress), m_material.active_lo, m_material.active_hi,
-                    m_material.components, 2, progress, &counted);
+  const auto file = open_volume(path, options.read, progress);
+  ElementVolume loaded = load_elements(*file, m_material.active_lo, m_material.active_hi,
+                                       m_material.components, 2, progress, &counted);
   const std::string void_values = void_values_text(loaded.volume.statistics);
   if (!void_values.empty()) warn(progress, path + ": " + void_values + " treated as void");
   const std::string missed = warning_of_domain(m_material, loaded.volume, counted);
@@ -132,7 +141,13 @@ void Session::open_volume_file(const std::string& path, const ReadOptions& read,
   m_state.geometry = loaded.volume.geometry;
   m_state.density = std::move(loaded.volume.density);
   m_state.elements = std::move(loaded.elements);
-  m_source = {path, read};
+  m_source = {path, options.read};
+  if (options.refers) {
+    stage(progress, "digesting the densities");
+    m_state.source =
+        make_source(file->header(), options.read, m_material.active_lo, m_material.active_hi,
+                    m_material.components, m_state.density, m_state.elements);
+  }
   m_state.source_name = std::filesystem::path(path).filename().string();
   m_state.source_type = loaded.volume.value_type;
 }

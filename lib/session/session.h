@@ -35,6 +35,10 @@ struct SessionOptions {
   /// of finite elements that it was handed; all together at most kMostUndoBytes. Beyond that the
   /// oldest steps cannot be undone.
   bool keeps_undo = false;
+  /// States that the session writes refer to the volume, or to the source of the state that it
+  /// continues, and hold what moved alone; otherwise they hold everything, whatever was continued.
+  /// Costs a digest of the densities, and where parts are removed the densities before that.
+  bool refers = false;
 };
 
 constexpr std::size_t kMostUndoBytes = std::size_t(512) << 20;
@@ -113,7 +117,7 @@ class Session {
   /// computed when first asked for after a step, and valid until the next.
   const Pose& pose(Progress* progress = nullptr);
 
-  /// Writes the state with its offsets; throws as supple::write_state.
+  /// Writes the state with its offsets (SessionOptions::refers); throws as supple::write_state.
   void write_state(const std::string& path, Progress* progress = nullptr);
   /// Writes the offsets as a warp in the format that the path names (NRRD, MetaImage, NIfTI, ITK's
   /// .h5, VDB): out(x) = in(x + o(x)), LPS mm. Throws as supple::write_state_warp.
@@ -126,7 +130,8 @@ class Session {
   void choose_material(const std::string& path, const SessionOptions& options, Progress* progress);
   void find_foreground(const std::string& path, const SessionOptions& options,
                        const VolumeStatistics& statistics, Progress* progress);
-  void open_volume_file(const std::string& path, const ReadOptions& read, Progress* progress);
+  void open_volume_file(const std::string& path, const SessionOptions& options, Progress* progress);
+  void open_state(const std::string& path, const SessionOptions& options, Progress* progress);
   void open_labels(const std::string& path, Progress* progress);
   void warn_of_material(Progress* progress) const;
   Region region_of(const Drag& drag) const;

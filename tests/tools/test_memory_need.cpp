@@ -80,6 +80,18 @@ TEST_F(UnitMemoryNeed, SlicesThatDoNotFitAreRefusedByTheHeader) {
   EXPECT_EQ(m_folder.entries(), (std::vector<std::string>{"v.nhdr", "v.raw"}));
 }
 
+TEST_F(UnitMemoryNeed, AVolumeThatDoesNotFitIsNotPutOnAnotherGrid) {
+  write_empty(m_folder, "uint8", 1, 640, 640);
+  const Outcome outcome = run_program(
+      {"/bin/bash", "-c", "ulimit -v 1000000; exec \"$0\" \"$@\"", std::getenv("SUPPLE_BINARY"),
+       "resample", m_folder / "v.nhdr", "--margin", "0.02", "-o", m_folder / "out.nrrd"});
+  EXPECT_EQ(outcome.exit_code, kRefused);
+  EXPECT_NE(outcome.err.find("v.nhdr: another grid needs 2.1 GB of memory, and 0."),
+            std::string::npos)
+      << outcome.err;
+  EXPECT_EQ(m_folder.entries(), (std::vector<std::string>{"v.nhdr", "v.raw"}));
+}
+
 TEST_F(UnitMemoryNeed, TissueCountsAndNotTheBoxAroundIt) {
   constexpr int kAcross = 640;
   constexpr long kLimit = 1000000;  // full of tissue the volume takes 1.5 GB
@@ -95,7 +107,9 @@ TEST_F(UnitMemoryNeed, TissueCountsAndNotTheBoxAroundIt) {
   const Outcome full = deform_under(m_folder, kLimit, drag);
   EXPECT_EQ(full.exit_code, kRefused);
   EXPECT_NE(full.err.find("v.nhdr: the run needs about 1."), std::string::npos) << full.err;
-  EXPECT_NE(full.err.find(" of its slices)"), std::string::npos) << full.err;
+  EXPECT_NE(full.err.find(" of its slices); with a state that refers to its volume (--refer"),
+            std::string::npos)
+      << full.err;
   EXPECT_FALSE(std::filesystem::exists(m_folder / "out.vdb"));
 }
 

@@ -1,4 +1,7 @@
-// supple convert: a volume or warp in another format, values and geometry as they are.
+// supple convert: a volume or warp in another format, values and geometry as they are; a state that
+// refers to its volume with everything that it needs.
+#include <filesystem>
+
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/run/converted.h"
@@ -6,6 +9,8 @@
 #include "volumes/io/format/data_files.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
+#include "volumes/state/pose.h"
+#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 
@@ -13,6 +18,7 @@ namespace {
 
 struct ConvertOptions {
   std::string input, output;
+  bool refer = false;
   ReadOptions read;
   WriteOptions write;
 };
@@ -51,7 +57,32 @@ std::vector<ConvertOptions> frames_of(const ConvertOptions& options) {
   return each;
 }
 
+/// Writes a state anew: with everything that it needs, or referring to its source from its new
+/// place.
+int convert_state(const ConvertOptions& options, const GlobalOptions& global, Console& console) {
+  require_unused(options.read, options.input);
+  OutputPlan plan(global.force);
+  plan.protect(options.input);
+  plan.add_state(options.output);
+  console.claim(plan.files());
+  State state = read_state(options.input, &console);
+  if (!options.refer) {
+    state.source.reset();
+  } else if (!state.source) {
+    throw InputError({options.input, "--refer", "a state that holds its densities",
+                      "a state that refers to a volume"});
+  }
+  write_state(options.output, state, invert_state(state, &console).offsets, &console);
+  return kOk;
+}
+
 int run_convert(const ConvertOptions& options, const GlobalOptions& global, Console& console) {
+  const bool is_vdb = std::filesystem::path(options.output).extension() == ".vdb";
+  if (is_vdb && is_state_file(options.input)) return convert_state(options, global, console);
+  if (options.refer) {
+    throw InputError({options.input, "--refer", "no state, or another format to be written",
+                      "a state that refers to a volume, and STATE.vdb"});
+  }
   const std::vector<ConvertOptions> each = frames_of(options);
   OutputPlan plan(global.force);
   plan.protect(options.input, options.read);
@@ -70,8 +101,8 @@ Command add_convert(CLI::App& program) {
   CLI::App* app = add_subcommand(program, "convert", "Write a volume or warp in another format",
                                  "  supple convert dicom_folder head.vdb\n"
                                  "  supple convert heart_ct phase_%02d.nrrd\n"
-                                 "  supple convert 1Warp.nii.gz warp.h5");
-  app->add_option("input", options->input, "A volume, a folder of slices, or a warp")
+                                 "  supple convert referring.vdb whole.vdb");
+  app->add_option("input", options->input, "A volume, a folder of slices, a warp, or a state")
       ->required()
       ->option_text("IN");
   app->add_option(
@@ -79,6 +110,10 @@ Command add_convert(CLI::App& program) {
          "File to write; its extension chooses the format; with %d or %02d one file per frame")
       ->required()
       ->option_text("OUT");
+  app->add_flag(
+      "--refer", options->refer,
+      "Of a state that refers to its volume: go on referring, from the new place; without "
+      "it the volume's densities are written, too");
   add_field_options(*app, fields(options->read));
   add_field_options(*app, fields(options->write));
   add_field_options(*app, vector_fields(options->write));

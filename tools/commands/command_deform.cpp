@@ -28,7 +28,7 @@ struct DeformOptions {
   BodyOptions body;
   std::string output;
   std::vector<std::string> grabs, bys, contacts, retractions, elements;
-  bool push = false, no_contact = false, dry_run = false;
+  bool push = false, no_contact = false, refer = false, dry_run = false;
 };
 
 /// Every --grab takes the next --by, except those that say how they move: tables with a motion, and
@@ -88,6 +88,7 @@ Scene to_scene(DeformOptions& options) {
   set_tables("step", "retract", "--retract", options.retractions);
   set_tables("step.springs", "contact", "--contact", options.contacts);
   given.set("output", "state", options.output, "--output");
+  if (options.refer) given.set("output", "refer", true, "--refer");
   if (!options.elements.empty()) {
     given.set("output", "elements", element_table(options.elements), "--elements");
   }
@@ -292,6 +293,8 @@ Command add_deform(CLI::App& program) {
       ->option_text("QUANTITY=FILE");
   app->add_flag("--no-contact", options->no_contact,
                 "Bones and the sides of cuts pass through each other");
+  app->add_flag("--refer", options->refer,
+                "The state refers to its volume and holds only what moved");
   app->add_flag("--dry-run", options->dry_run,
                 "Print what would be held and computed, and why; write nothing");
   app->add_option("-o,--output", options->output, "State file to write; not for --dry-run")

@@ -5,6 +5,7 @@
 #include "tools/scene/file/offset_functions.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/state/state_outputs.h"
+#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 
@@ -42,7 +43,12 @@ int run_export(const ExportOptions& options, const GlobalOptions& global, Consol
         "--direction resample (a material field lives on the source grid)");
   }
   const auto functions = read_path_file(options.path, console);
-  const State state = read_state(options.input, &console);
+  const State state = read_reachable_state(options.input, &console);
+  if (lacks_source(state) && (!options.path.empty() || options.void_mode != VoidMode::nearest)) {
+    throw InputError({options.input, options.path.empty() ? "--void" : "--path",
+                      "a state without the volume that it refers to",
+                      "the volume, as tissue that did not move counts here"});
+  }
   const Pose deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
   const std::int64_t lost =

@@ -5,6 +5,7 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
+#include "tools/scene/plan/scene_plan.h"
 #include "tools/scene/run/reports.h"
 #include "volumes/base/json.h"
 #include "volumes/base/sha256.h"
@@ -13,7 +14,7 @@
 #include "volumes/io/format/formats.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/state.h"
+#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 
@@ -81,6 +82,15 @@ void add_vectors(Value& json, VolumeFile& file, Console& console) {
   json["sha256"] = hash.hex();
 }
 
+/// Memory of a body of these bricks, for those who open, draw and save it.
+void add_memory(Value& json, std::int64_t bricks) {
+  const BodyBytes bytes = body_bytes(bricks);
+  json["bytes_opened"] = bytes.opened;
+  json["bytes_shown"] = bytes.shown;
+  json["bytes_saved"] = bytes.saved;
+  json["bytes_saved_referring"] = bytes.saved_referring;
+}
+
 void add_scalars(Value& json, VolumeFile& file, Console& console) {
   const VolumeHeader& header = file.header();
   const VolumeDigest digest = digest_volume(file, &console);
@@ -92,6 +102,7 @@ void add_scalars(Value& json, VolumeFile& file, Console& console) {
   json["active_voxels"] = digest.statistics.above_min_count;
   json["bytes_dense"] = header.geometry.voxel_count() * bytes_of(header.type);
   json["bytes_sparse"] = digest.sparse_bytes;
+  add_memory(json, digest.bricks);
   json["sha256"] = digest.sha256;
 }
 
@@ -124,7 +135,7 @@ Value describe_volume(const std::string& path, ReadOptions read, Console& consol
 }
 
 Value describe_state(const std::string& path, Console& console) {
-  const State state = read_state(path, &console);
+  const State state = read_reachable_state(path, &console);
   const BrickTopology& kept = state.density.bricks();
   double min = 0, max = 0, sum = 0;
   std::int64_t count = 0;
@@ -157,7 +168,13 @@ Value describe_state(const std::string& path, Console& console) {
   json["bytes_dense"] = state.geometry.voxel_count() * std::int64_t(sizeof(float));
   json["bytes_sparse"] = state.density.bytes() + state.elements.bytes() + state.cuts.bytes() +
                          state.labels.bytes() + offset_bytes;
+  add_memory(json, std::int64_t(kept.brick_count()));
   json["source"] = state.source_name;
+  if (state.source) {
+    json["source_path"] = state.source->path;
+    json["source_sha256"] = state.source->sha256;
+    json["source_is_there"] = !lacks_source(state);
+  }
   json["cut_links"] = state.cuts.count();
   json["anchors"] =
       state.anchors.size() + state.anchor_labels.size() + state.anchor_selections.size();
@@ -177,7 +194,13 @@ void print_info(const Value& json) {
   if (!json.contains("active_voxels")) return;
   const double voxels =
       json["dims"][0].number() * json["dims"][1].number() * json["dims"][2].number();
-  std::printf("%-22s %.4g %%\n", "occupancy", 100 * json["active_voxels"].number() / voxels);
+  const double active = json["active_voxels"].number();
+  std::printf("%-22s %.4g %%\n", "occupancy", 100 * active / voxels);
+  if (active == 0) return;
+  const auto per_voxel = [&](const char* name) { return json[name].number() / active; };
+  std::printf("%-22s %.3g opened, %.3g shown, %.3g saved, %.3g saved referring\n",
+              "bytes per voxel", per_voxel("bytes_opened"), per_voxel("bytes_shown"),
+              per_voxel("bytes_saved"), per_voxel("bytes_saved_referring"));
 }
 
 Value describe(const std::string& path, const ReadOptions& read, Console& console) {

@@ -110,7 +110,7 @@ int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Cons
     if (!map.empty()) plan.add_dense(map);
   }
   console.claim(plan.files());
-  const State state = read_state(options.input, &console);
+  const State state = read_reachable_state(options.input, &console);
   const BrickValues labels = options.labels.empty()
                                  ? state.labels
                                  : read_labels(*open_volume(options.labels, {}, &console),

@@ -84,7 +84,7 @@ void add_body_options(CLI::App& app, BodyOptions& options) {
   app.add_option(
          "--cut", options.cuts,
          "Cut the body at rest along a surface in LPS mm (.stl, .ply, .obj), around a label, "
-         "or as a table of a scene says, such as {plane = {…}}; repeatable")
+         "or as in scenes: {plane = {…}}; repeatable")
       ->allow_extra_args(false)
       ->option_text("MESH|label:N|TABLE");
   app.add_option("--remove", options.removed, "What is gone from now on, as for --fix")

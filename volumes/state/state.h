@@ -36,6 +36,8 @@ using BeyondLimits = std::shared_ptr<const std::array<BrickValues, 3>>;
 /// Velocities of elements along LPS x, y, z in mm/s; empty where nothing moves.
 using Velocities = std::array<BrickArray<double>, 3>;
 
+struct StateSource;
+
 struct State {
   Geometry geometry;    // of the source volume, index to LPS mm
   DensityGrid density;  // elements and shell
@@ -63,6 +65,8 @@ struct State {
   std::string configuration;  // JSON: the effective settings that produced it
   std::string source_name;    // file name of the source volume
   std::string source_type;    // numpy name of the stored type
+  /// The volume that the state's file refers to (state_source.h); null: it holds everything.
+  std::shared_ptr<const StateSource> source;
 };
 
 /// Name of the rest stretches of the links along an axis in messages and files: "rest_i" and so on.
@@ -82,15 +86,22 @@ Displacement extended_displacement_of(const State& state);
 void check_state(const State& state, const std::string& file);
 
 /// Writes atomically; equal states give equal files, a coordinate of zeros counts as one that never
-/// moved. The second form adds the derived grid `offset` (resample) for other programs.
-/// Throws InputError for a state that check_state() rejects, SystemError (disk full, permission).
+/// moved. The second form adds the derived grid `offset` (resample) for other programs. A state
+/// with a source, which has to be open, is written with the bricks of its own alone (own_bricks.h),
+/// and labels and numbers of pieces of all: it reads back as the same state. Throws InputError for
+/// a state that check_state() rejects, SystemError (disk full, permission).
 void write_state(const std::string& path, const State& state, Progress* progress = nullptr);
 void write_state(const std::string& path, const State& state, const OffsetField& offsets,
                  Progress* progress = nullptr);
 
-/// Throws InputError for a missing, truncated, damaged or foreign file. A coordinate of zeros comes
-/// back empty. Derived grids are not read back.
+/// Throws InputError for a missing, truncated, damaged or foreign file, and for one that refers to
+/// a source which is missing or another by now. A coordinate of zeros comes back empty. Derived
+/// grids are not read back.
 State read_state(const std::string& path, Progress* progress = nullptr);
+/// The same, but of a state whose source is missing or another the bricks of its own, at elements
+/// that can move no further than these, without anchors; with a warning, and a source that is not
+/// open.
+State read_reachable_state(const std::string& path, Progress* progress = nullptr);
 
 /// True when the file starts like OpenVDB and carries our metadata or trailer; a damaged state
 /// counts. Never throws.

@@ -1,21 +1,22 @@
 // Reads state files: the grids of state_grids.h, checked, as a State.
 #include <algorithm>
 
+#include "volumes/base/text.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/vdb/vdb_seal.h"
 #include "volumes/io/vdb/vdb_stream.h"
 #include "volumes/state/anchor_text.h"
-#include "volumes/state/state.h"
+#include "volumes/state/own_bricks.h"
 #include "volumes/state/state_grids.h"
 
 namespace supple {
 
 namespace {
 
-std::string text_of(const VdbContent& content, const std::string& name, const std::string& path) {
-  const auto text =
-      content.metadata.getMetadata<openvdb::StringMetadata>(kStateMetadataPrefix + name);
+std::string text_of(const openvdb::MetaMap& metadata, const std::string& name,
+                    const std::string& path) {
+  const auto text = metadata.getMetadata<openvdb::StringMetadata>(kStateMetadataPrefix + name);
   if (!text) throw InputError({path, kStateMetadataPrefix + name, "nothing", "metadata text"});
   return text->value();
 }
@@ -124,12 +125,14 @@ void read_cut_links(const openvdb::Int32Grid& grid, State& state, const std::str
   }
 }
 
-/// Labels or pieces; the numbers themselves are for check_state to judge.
-void read_numbers(const openvdb::Int32Grid& grid, const State& state, BrickValues& numbers,
-                  const std::string& path) {
+/// Labels or pieces; the numbers themselves are for check_state to judge. `is_part`: of the
+/// elements some are not there, and their numbers are passed over.
+void read_numbers(const openvdb::Int32Grid& grid, const State& state, bool is_part,
+                  BrickValues& numbers, const std::string& path) {
   numbers.resize(state.elements.brick_count());
   for (auto leaf = grid.tree().cbeginLeaf(); leaf; ++leaf) {
     const std::int32_t b = state.elements.find(to_vec(leaf->origin()));
+    if (b < 0 && is_part) continue;
     for (auto value = leaf->cbeginValueOn(); value; ++value) {
       if (b < 0 || *value == 0) {
         const std::string name = grid.getName();
@@ -141,9 +144,69 @@ void read_numbers(const openvdb::Int32Grid& grid, const State& state, BrickValue
   }
 }
 
-}  // namespace
+/// Whether the densities of a state lie elsewhere, by its format.
+bool refers(const openvdb::MetaMap& metadata, const std::string& path) {
+  const std::string format = text_of(metadata, "format", path);
+  if (format == kReferringFormat) return true;
+  if (format == kStateFormat) return false;
+  throw InputError({path, "format", format.substr(0, 80),
+                    std::string(kStateFormat) + " or " + kReferringFormat});
+}
 
-State read_state(const std::string& path, Progress* progress) {
+void read_texts(const openvdb::MetaMap& metadata, State& state, const std::string& path) {
+  const auto text = [&](const char* name) { return text_of(metadata, name, path); };
+  state.geometry = geometry_from_json(text("geometry"), path);
+  Anchors anchors = anchors_from_json(text("anchors"), path);
+  state.anchors = std::move(anchors.boxes);
+  state.anchor_labels = std::move(anchors.labels);
+  state.anchor_selections = std::move(anchors.selections);
+  state.material_toml = text("material");
+  state.configuration = text("configuration");
+  state.source_name = text("source_name");
+  state.source_type = text("source_type");
+}
+
+BrickIndex own_bricks_of(const VdbContent& content, const Geometry& geometry,
+                         const std::string& path) {
+  BrickIndex own;
+  const auto grid = grid_of<openvdb::BoolGrid>(content, kOwnGrid, geometry, path);
+  for (auto place = grid->cbeginValueOn(); place; ++place) {
+    own.add(to_vec(place.getCoord()) * kBrickDim);
+  }
+  return own;
+}
+
+/// Anchors may lie beyond the bricks that are there.
+void forget_anchors(State& state) {
+  state.anchors.clear();
+  state.anchor_labels.clear();
+  state.anchor_selections.clear();
+}
+
+enum class WithoutSource { refuse, read_own_bricks };
+
+/// Adds what a state takes from its source. True: that is not there, and is done without.
+bool complete_by_source(State& state, const VdbContent& content, WithoutSource without,
+                        const std::string& path, Progress* progress) {
+  StateSource source = source_from_json(text_of(content.metadata, "source", path), path);
+  const BrickIndex own = own_bricks_of(content, state.geometry, path);
+  bool is_part = false;
+  try {
+    open_source(source, state.geometry, path, progress);
+    complete(state, source, own);
+  } catch (const InputError& error) {
+    if (without == WithoutSource::refuse) throw;
+    warn(progress, std::string(error.what()) + "; its own " +
+                       with_count(std::int64_t(own.count()), "brick") +
+                       " are read alone, beyond which nothing moved");
+    forget_anchors(state);
+    is_part = true;
+  }
+  state.source = std::make_shared<const StateSource>(std::move(source));
+  return is_part;
+}
+
+State read_file(const std::string& path, WithoutSource without, Progress* progress) {
   if (progress != nullptr) progress->stage("reading state");
   verify_vdb_seal(path, VdbKind::state);
   report(progress, 0.3);
@@ -151,24 +214,14 @@ State read_state(const std::string& path, Progress* progress) {
   const VdbContent content = read_vdb_grids(path, VdbTrust::sealed, is_derived_grid);
   report(progress, 0.8);
 
-  const std::string format = text_of(content, "format", path);
-  if (format != kStateFormat) {
-    throw InputError({path, "format", format.substr(0, 80), kStateFormat});
-  }
+  const bool has_source = refers(content.metadata, path);
   State state;
-  state.geometry = geometry_from_json(text_of(content, "geometry", path), path);
-  Anchors anchors = anchors_from_json(text_of(content, "anchors", path), path);
-  state.anchors = std::move(anchors.boxes);
-  state.anchor_labels = std::move(anchors.labels);
-  state.anchor_selections = std::move(anchors.selections);
-  state.material_toml = text_of(content, "material", path);
-  state.configuration = text_of(content, "configuration", path);
-  state.source_name = text_of(content, "source_name", path);
-  state.source_type = text_of(content, "source_type", path);
+  read_texts(content.metadata, state, path);
   state.density =
       density_of(grid_of<openvdb::FloatGrid>(content, kDensityGrid, state.geometry, path));
   state.elements =
       bricks_of(*grid_of<openvdb::BoolGrid>(content, kElementGrid, state.geometry, path));
+  const bool is_part = has_source && complete_by_source(state, content, without, path, progress);
   read_vectors(*grid_of<openvdb::Vec3IGrid>(content, kFixedGrid, state.geometry, path), state,
                state.q, path);
   if (has_grid(content, kBeyondGrid)) {
@@ -193,16 +246,39 @@ State read_state(const std::string& path, Progress* progress) {
   }
   if (has_grid(content, kLabelGrid)) {
     read_numbers(*grid_of<openvdb::Int32Grid>(content, kLabelGrid, state.geometry, path), state,
-                 state.labels, path);
+                 is_part, state.labels, path);
   }
   if (has_grid(content, kPieceGrid)) {
     read_numbers(*grid_of<openvdb::Int32Grid>(content, kPieceGrid, state.geometry, path), state,
-                 state.pieces, path);
-    state.piece_records = pieces_from_json(text_of(content, "pieces", path), path);
+                 is_part, state.pieces, path);
+    state.piece_records = pieces_from_json(text_of(content.metadata, "pieces", path), path);
   }
   check_state(state, path);
   report(progress, 1);
   return state;
+}
+
+}  // namespace
+
+State read_state(const std::string& path, Progress* progress) {
+  return read_file(path, WithoutSource::refuse, progress);
+}
+
+State read_reachable_state(const std::string& path, Progress* progress) {
+  return read_file(path, WithoutSource::read_own_bricks, progress);
+}
+
+std::shared_ptr<const StateSource> source_of_state_file(const std::string& path) {
+  if (!is_state_file(path)) return nullptr;
+  initialize_vdb();
+  try {
+    const openvdb::MetaMap metadata = read_vdb_metadata(path);
+    if (!refers(metadata, path)) return nullptr;
+    return std::make_shared<const StateSource>(
+        source_from_json(text_of(metadata, "source", path), path));
+  } catch (const InputError&) {
+    return nullptr;
+  }
 }
 
 bool is_state_file(const std::string& path) {

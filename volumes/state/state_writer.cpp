@@ -9,7 +9,7 @@
 #include "volumes/io/vdb/vdb_seal.h"
 #include "volumes/io/vdb/vdb_stream.h"
 #include "volumes/state/anchor_text.h"
-#include "volumes/state/state.h"
+#include "volumes/state/own_bricks.h"
 #include "volumes/state/state_grids.h"
 
 namespace supple {
@@ -49,10 +49,10 @@ bool is_empty(const std::array<BrickArray<T>, 3>& values) {
   return std::all_of(values.begin(), values.end(), [](const auto& c) { return c.empty(); });
 }
 
-openvdb::GridBase::Ptr make_element_mask(const State& state) {
+openvdb::GridBase::Ptr make_element_mask(const BrickTopology& elements) {
   return make_vdb_grid<openvdb::BoolGrid>(
-      kElementGrid, state.elements, false, [&](auto& leaf, std::size_t b) {
-        for_each_active(state.elements.mask(b),
+      kElementGrid, elements, false, [&](auto& leaf, std::size_t b) {
+        for_each_active(elements.mask(b),
                         [&](int offset) { leaf.setValueOn(openvdb::Index(offset), true); });
       });
 }
@@ -75,6 +75,16 @@ openvdb::GridBase::Ptr make_density(const DensityGrid& density) {
           leaf.setValueOn(openvdb::Index(offset), values[offset]);
         });
       });
+}
+
+openvdb::GridBase::Ptr make_own_bricks(const BrickIndex& own) {
+  auto grid = make_grid<openvdb::BoolGrid>(false);
+  grid->setName(kOwnGrid);
+  for (const Vec3i& origin : own.origins()) {
+    const Vec3i place = origin / kBrickDim;
+    grid->tree().setValueOn(to_coord(place), true);
+  }
+  return grid;
 }
 
 openvdb::GridBase::Ptr make_cut_links(const State& state) {
@@ -125,18 +135,19 @@ OutgoingGrid make_vectors(const char* name, const char* direction, const VectorB
   return vectors;
 }
 
-openvdb::MetaMap make_metadata(const State& state) {
+openvdb::MetaMap make_metadata(const State& state, const std::string& path) {
   openvdb::MetaMap metadata;
   const auto insert = [&](const std::string& name, const std::string& text) {
     metadata.insertMeta(kStateMetadataPrefix + name, openvdb::StringMetadata(text));
   };
-  insert("format", kStateFormat);
+  insert("format", state.source ? kReferringFormat : kStateFormat);
   insert("anchors", anchors_to_json({state.anchors, state.anchor_labels, state.anchor_selections}));
   insert("configuration", state.configuration);
   insert("frame", "LPS");
   insert("geometry", geometry_to_json(state.geometry));
   insert("material", state.material_toml);
   if (!state.piece_records.empty()) insert("pieces", json_text(state.piece_records));
+  if (state.source) insert("source", source_to_json(*state.source, path));
   insert("source_name", state.source_name);
   insert("source_type", state.source_type);
   insert("units", "mm");
@@ -147,13 +158,23 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
                 Progress* progress) {
   if (progress != nullptr) progress->stage("writing state");
   check_state(state, path);
+  Displacement displacement = extended_displacement_of(state);
+  const bool refers = state.source != nullptr;
+  BrickIndex own;
+  VectorBricks own_offsets;
+  if (refers) {
+    own = own_bricks(state, displacement.u, offsets != nullptr ? &offsets->o : nullptr);
+    displacement.u = part_of(displacement.u, own);
+    if (offsets != nullptr) own_offsets = part_of(offsets->o, own);
+  }
   std::vector<OutgoingGrid> grids;
   const auto add = [&](openvdb::GridBase::Ptr grid) {
     grids.push_back({std::move(grid), nullptr});
   };
   add(make_fixed(kFixedGrid, state, state.q));
-  add(make_element_mask(state));
-  add(make_density(state.density));
+  add(make_element_mask(refers ? part_of(state.elements, own) : state.elements));
+  add(make_density(refers ? part_of(state.density, own) : state.density));
+  if (refers) add(make_own_bricks(own));
   if (state.beyond) add(make_fixed(kBeyondGrid, state, *state.beyond));
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (is_empty(state.rest[axis])) continue;
@@ -163,17 +184,17 @@ void write_file(const std::string& path, const State& state, const OffsetField* 
   if (!state.cuts.empty()) add(make_cut_links(state));
   if (!label_counts(state.labels).empty()) add(make_numbers(kLabelGrid, state, state.labels));
   if (!state.piece_records.empty()) add(make_numbers(kPieceGrid, state, state.pieces));
-  const Displacement displacement = extended_displacement_of(state);
   grids.push_back(make_vectors(kDisplacementGrid, "material", displacement.u, state.geometry));
   if (offsets != nullptr) {
-    grids.push_back(make_vectors(kOffsetGrid, "resample", offsets->o, offsets->geometry));
+    grids.push_back(make_vectors(kOffsetGrid, "resample", refers ? own_offsets : offsets->o,
+                                 offsets->geometry));
   }
   report(progress, 0.3);
 
   AtomicFile file(path);
-  write_vdb_stream(file, grids, make_metadata(state));
+  write_vdb_stream(file, grids, make_metadata(state, path), progress);
   report(progress, 0.8);
-  seal_vdb(file.path(), VdbKind::state);
+  seal_vdb(file.path(), VdbKind::state, progress);
   file.commit();
   report(progress, 1);
 }

@@ -145,6 +145,41 @@ TEST(FaultState, AFailedWriteKeepsTheOldFileAndLeavesNothingElse) {
   }
 }
 
+/// Asks to stop when it is asked a second time while a state is on its way into its file, and hears
+/// how far it came.
+class StopInTheFile final : public Progress {
+ public:
+  void stage(std::string_view) override {}
+  void update(double fraction) override { m_furthest = fraction; }
+  bool cancelled() const override { return m_furthest >= kGridsMade && ++m_polls > 1; }
+  double furthest() const { return m_furthest; }
+
+  static constexpr double kGridsMade = 0.3, kWritten = 0.8;
+
+ private:
+  double m_furthest = 0;
+  mutable int m_polls = 0;
+};
+
+TEST(FaultState, ACancelIsHeardWhileGridsAreWrittenAndLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  write_state(folder / "a.vdb", random_state(30, 6));
+  const std::string old = read_text(folder / "a.vdb");
+  State large;
+  large.geometry = Geometry({96, 96, 96}, {0, 0, 0}, {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
+  large.elements = bricks_where({96, 96, 96}, [](const Vec3i&) { return true; });
+  std::mt19937 random(5);
+  std::vector<float> densities(large.elements.brick_count() * kBrickVoxels);
+  for (float& density : densities) density = float(random());
+  large.density = make_density_grid(large.elements, densities, 0);
+  StopInTheFile stop;
+  EXPECT_THROW(write_state(folder / "a.vdb", large, &stop), Cancelled);
+  EXPECT_GE(stop.furthest(), StopInTheFile::kGridsMade);
+  EXPECT_LT(stop.furthest(), StopInTheFile::kWritten);
+  EXPECT_EQ(read_text(folder / "a.vdb"), old);
+  EXPECT_EQ(folder.entries().size(), 1u);
+}
+
 TEST(FaultState, AReadOnlyFolderIsASystemErrorAndAMissingOneAnInputError) {
   const TemporaryFolder folder;
   EXPECT_THROW(write_state(folder / "none/a.vdb", random_state(1)), InputError);

@@ -16,6 +16,7 @@ std::vector<std::string> SceneOutput::all() const {
 SceneOutput read_output(Table& table) {
   SceneOutput output;
   output.state = table.string("state").value_or("");
+  output.refers = table.boolean("refer").value_or(false);
   output.offsets = table.strings("offsets").value_or(std::vector<std::string>{});
   output.displacements = table.strings("displacements").value_or(std::vector<std::string>{});
   output.volumes = table.strings("volumes").value_or(std::vector<std::string>{});
@@ -28,6 +29,7 @@ SceneOutput read_output(Table& table) {
     }
     elements->finish();
   }
+  if (output.refers && output.state.empty()) table.fail("refer", "no state", "state beside it");
   table.finish();
   return output;
 }

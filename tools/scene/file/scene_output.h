@@ -18,6 +18,7 @@ struct ElementOutput {
 
 struct SceneOutput {
   std::string state;
+  bool refers = false;  // the state to its volume, in place of holding what did not move
   std::vector<std::string> offsets;        // resample-direction warps
   std::vector<std::string> displacements;  // material-direction warps
   std::vector<std::string> volumes;        // resampled volumes

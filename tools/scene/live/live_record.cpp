@@ -79,6 +79,7 @@ Value LiveSession::batch_scene() const {
   for (const DoneStep& done : m_done) scene["step"].push_back(done.keys);
   scene["view"].push_back(m_view_keys)["size"] = m_view.size;
   scene["output"] = {{"state", "live.vdb"}};
+  if (m_scene.output.refers) scene["output"]["refer"] = true;
   return scene;
 }
 

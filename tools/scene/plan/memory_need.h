@@ -18,7 +18,13 @@ void require_memory_to_open(const Scene& scene, Progress* progress);
 
 /// Ends a run that has opened its volume and will need more memory than there is, before it solves
 /// anything. Plans only where what is open takes a hundredth of that. Throws SystemError, which
-/// says what the run needs most of it for, and what it would need without a state.
+/// says what the run needs most of it for, and what it would need with a state
+/// that refers to its volume, and without any.
 void require_memory(const Scene& scene, const SceneRun& run);
+
+/// Ends work on a file that takes so many bytes at once where there are fewer. Throws SystemError,
+/// which names the work and the ways out.
+void require_memory(const std::string& path, std::int64_t bytes, const std::string& work,
+                    const std::string& ways_out);
 
 }  // namespace supple::tools

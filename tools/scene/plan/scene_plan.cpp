@@ -94,6 +94,7 @@ class ScenePlanner {
   double bricks_on_path(const SceneView& view) const;
   void plan_path(const SceneView& view, const std::string& stage);
   void plan_march(const SceneView& view, const std::string& stage, double pictures);
+  void plan_state();
   void plan_outputs();
   void plan_dense(const std::string& name, const std::string& what, double value_bytes);
   /// Of `bytes` that come once, those that have not come yet.
@@ -340,15 +341,25 @@ void ScenePlanner::plan_dense(const std::string& name, const std::string& what,
       frames() * voxels * m_costs.warp_voxel);
 }
 
+/// Of a state that refers to its volume the bricks that move count alone, and the densities of the
+/// volume are compared once.
+void ScenePlanner::plan_state() {
+  const bool refers = m_scene.output.refers;
+  const double densities = refers ? m_moved_bricks : density_bricks();
+  const double elements = refers ? double(m_moved.count()) : element_bricks();
+  const double grid_bytes = refers ? kGridBytes + 2 * kBrickBytes12 : 0;
+  add("output " + m_scene.output.state,
+      refers ? "coordinates and offsets, and densities of what moved"
+             : "densities, coordinates and offsets",
+      "[output]", once(kVdbCode),
+      double(m_moved.count()) * kMovedGridBytes + elements * kElementGridBytes +
+          densities * (grid_bytes + 2 * kLeafBytes),
+      frames() * (densities * m_costs.state_brick + m_moved_bricks * m_costs.state_vector_brick));
+}
+
 void ScenePlanner::plan_outputs() {
   const SceneOutput& output = m_scene.output;
-  if (!output.state.empty()) {
-    add("output " + output.state, "densities, coordinates and offsets", "[output]", once(kVdbCode),
-        double(m_moved.count()) * kMovedGridBytes + element_bricks() * kElementGridBytes +
-            2 * density_bricks() * kLeafBytes,
-        frames() *
-            (density_bricks() * m_costs.state_brick + m_moved_bricks * m_costs.state_vector_brick));
-  }
+  if (!output.state.empty()) plan_state();
   for (const std::string& name : output.offsets) plan_dense(name, "a warp", 12);
   for (const std::string& name : output.displacements) plan_dense(name, "displacements", 12);
   for (const std::string& name : output.volumes) plan_dense(name, "a resampled volume", 4);
@@ -379,6 +390,15 @@ void ScenePlanner::plan() {
 }
 
 }  // namespace
+
+BodyBytes body_bytes(std::int64_t bricks) {
+  const double opened = kGridBytes + kBodyBytes;
+  const double posed = kPlaceBytes + kExtendBytes + kFieldTableBytes + kRestBytes;
+  const double written = kElementGridBytes + 2 * kLeafBytes;
+  const auto of_all = [&](double bytes) { return std::int64_t(double(bricks) * bytes); };
+  return {of_all(opened), of_all(opened + kSourceBytes + kTableBytes),
+          of_all(opened + posed + written), of_all(opened + posed)};
+}
 
 ScenePlan plan_scene(const Scene& scene, const PlanSubject& subject, const UnitCosts& costs) {
   ScenePlan plan;

@@ -7,6 +7,7 @@
 // the code allocates per brick, voxel and unknown. docs/economy.md has the rules and their errors.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,6 +60,14 @@ struct PlanSubject {
   /// scene in which nothing moves and no ray meets anything, and so the least that it may be.
   std::optional<ExpectedBricks> expected = {};
 };
+
+/// Memory of a body at rest in so many bricks: opened, while a picture shows all of them, and while
+/// a state of it is written, by itself or referring to its volume. Bricks that move take more
+/// (docs/economy.md).
+struct BodyBytes {
+  std::int64_t opened, shown, saved, saved_referring;
+};
+BodyBytes body_bytes(std::int64_t bricks);
 
 ScenePlan plan_scene(const Scene& scene, const PlanSubject& subject, const UnitCosts& costs);
 

@@ -7,6 +7,7 @@
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
+#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 
@@ -28,6 +29,12 @@ void require_extension(const std::string& path, const std::string& extension) {
 void OutputPlan::protect(const std::string& input, const ReadOptions& read) {
   m_inputs.insert(canonical(file_part(input)));
   m_unopened.emplace_back(input, read);
+  protect_source_of(input);
+}
+
+void OutputPlan::protect_source_of(const std::string& state) {
+  const auto source = source_of_state_file(state);
+  if (source != nullptr) protect(source->path, source->read);
 }
 
 /// Opens the inputs when an output first meets an existing file, which is rare.

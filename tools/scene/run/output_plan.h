@@ -21,8 +21,11 @@ class OutputPlan {
       : m_may_overwrite(may_overwrite), m_creates_folders(creates_folders) {}
 
   /// A file that must not be overwritten, and the files that a volume of that name is read from
-  /// beside it: the data files of a header, the slices of a folder.
+  /// beside it: the data files of a header, the slices of a folder, the volume that a state refers
+  /// to.
   void protect(const std::string& input, const ReadOptions& read = {});
+  /// That volume alone, of a state that may be overwritten.
+  void protect_source_of(const std::string& state);
 
   /// Each throws UsageError (exists, no --force) or InputError (everything else).
   void add_image(const std::string& path);                                     // .png

@@ -52,8 +52,11 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_o
   }
   OutputPlan plan(may_overwrite, is_file);
   if (is_file) plan.protect(scene.file);
-  // A command may continue a state in place.
-  if (is_file || !is_state_file(scene.volume_path)) plan.protect(scene.volume_path, scene.read);
+  if (is_file || !is_state_file(scene.volume_path)) {
+    plan.protect(scene.volume_path, scene.read);
+  } else {  // a command may continue a state in place
+    plan.protect_source_of(scene.volume_path);
+  }
   for (const std::string& input : {scene.labels_path, scene.material_path, scene.warp_path}) {
     if (!input.empty()) plan.protect(input);
   }
@@ -90,7 +93,7 @@ void check_places(const Scene& scene, const Geometry& geometry) {
 
 SessionOptions session_options(const Scene& scene) {
   const bool is_animated = scene.film && scene.still_steps() < scene.steps.size();
-  return {scene.material, scene.labels_path, scene.read, is_animated};
+  return {scene.material, scene.labels_path, scene.read, is_animated, scene.output.refers};
 }
 
 SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_reactions,

@@ -60,6 +60,7 @@ VolumeDigest digest_volume(VolumeFile& file, Progress* progress) {
   const BrickTopology occupied =
       bricks_above(maxima, file.header().geometry.dims(), float(digest.statistics.min));
   digest.sparse_bytes = std::int64_t(density_grid_bytes(occupied));
+  digest.bricks = std::int64_t(occupied.brick_count());
   return digest;
 }
 

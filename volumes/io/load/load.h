@@ -16,6 +16,7 @@ struct VolumeDigest {
   VolumeStatistics statistics;
   std::string sha256;             // of the stored values, little-endian, i fastest, before slope
   std::int64_t sparse_bytes = 0;  // of load_volume's grid, counted without building it
+  std::int64_t bricks = 0;        // of the same
 };
 VolumeDigest digest_volume(VolumeFile& file, Progress* progress = nullptr);
 
