@@ -4,6 +4,7 @@
 #include "tools/console/field_options.h"
 #include "tools/console/result_lines.h"
 #include "tools/scene/file/offset_functions.h"
+#include "tools/scene/plan/memory_need.h"
 #include "tools/scene/run/converted.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/io/filter/on_grid.h"
@@ -51,7 +52,11 @@ int resample_volume(const ResampleOptions& options, const GlobalOptions& global,
   const auto open = [&] {
     auto file = open_volume(options.input, options.read);
     if (!has_grid) return with_spacing(std::move(file), *options.spacing_mm, options.interpolation);
-    const Geometry grid = choose_grid(file->header().geometry, options.grid);
+    const Geometry& own = file->header().geometry;
+    const Geometry grid = choose_grid(own, options.grid);
+    require_memory(options.input, on_grid_bytes(own), "another grid",
+                   "a box of the volume (supple crop) or larger voxels before (supple resample "
+                   "--spacing, which reads slice by slice) need less");
     return on_grid(std::move(file), grid, options.interpolation, &console);
   };
   write_converted(open, options.output, options.write, console);

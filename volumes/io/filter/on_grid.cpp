@@ -101,6 +101,10 @@ class GridVolume : public VolumeFile {
 
 }  // namespace
 
+std::int64_t on_grid_bytes(const Geometry& volume) {
+  return volume.voxel_count() * std::int64_t(sizeof(double));
+}
+
 std::unique_ptr<VolumeFile> on_grid(std::unique_ptr<VolumeFile> file, const Geometry& grid,
                                     ResampleKernel interpolation, Progress* progress) {
   if (interpolation == ResampleKernel::cubic) {

@@ -17,4 +17,7 @@ namespace supple {
 std::unique_ptr<VolumeFile> on_grid(std::unique_ptr<VolumeFile> file, const Geometry& grid,
                                     ResampleKernel interpolation, Progress* progress = nullptr);
 
+/// Memory that this takes for the volume.
+std::int64_t on_grid_bytes(const Geometry& volume);
+
 }  // namespace supple
