@@ -296,10 +296,12 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
     const AdmissibleOffsets admissible(m_body);
     m_body.links_known_valid = check_links(m_body).violated == 0;
   }
-  if (!m_body.links_known_valid && m_body.beyond) keep_beyond(m_body, m_fixed->slots, holds);
+  if (!m_body.links_known_valid && m_body.beyond) {
+    keep_beyond(m_body, m_fixed->slots, holds, progress);
+  }
   OffsetsGuard guard(m_body);
   if (!m_body.links_known_valid) {
-    const ProjectionReport projection = project(m_body, m_fixed->slots, holds);
+    const ProjectionReport projection = project(m_body, m_fixed->slots, holds, progress);
     result.projected_links = projection.violated_links;
     result.projected_max_voxels = projection.max_move_voxels;
     result.projected_held = projection.held_moved;

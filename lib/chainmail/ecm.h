@@ -197,10 +197,12 @@ struct ProjectionReport {
   double max_move_voxels = 0;
   std::int64_t held_moved = 0;
 };
-ProjectionReport project(Body& body, const SlotSet& fixed = {}, const Holds& held = {});
+ProjectionReport project(Body& body, const SlotSet& fixed = {}, const Holds& held = {},
+                         Progress* progress = nullptr);
 
 /// Gives the body its Body::beyond: q less the offsets that project() would make of it. Nothing
-/// moves; the links of the admissible offsets are known to hold.
-void keep_beyond(Body& body, const SlotSet& fixed, const Holds& held);
+/// moves; the links of the admissible offsets are known to hold. Throws Cancelled, with the body as
+/// it was.
+void keep_beyond(Body& body, const SlotSet& fixed, const Holds& held, Progress* progress = nullptr);
 
 }  // namespace supple

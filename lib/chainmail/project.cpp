@@ -284,7 +284,7 @@ std::optional<std::int64_t> ContactProjection::meet(int c, const std::vector<Con
   return std::nullopt;
 }
 
-ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
+ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held, Progress* progress) {
   ProjectionReport report;
   report.violated_links = check_links(body).violated;
   if (report.violated_links > 0) {
@@ -296,7 +296,8 @@ ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
     std::int64_t largest = 0;
     for (int c = 0; c < 3; ++c) {
       if (body.q[c].empty()) continue;
-      valid[c] = projected(body.q[c], c, held_bounds(body, c, anchored, held), propagator, nullptr,
+      poll(progress);
+      valid[c] = projected(body.q[c], c, held_bounds(body, c, anchored, held), propagator, progress,
                            pieces);
       largest = std::max(largest, largest_move(body.q[c], valid[c]));
     }
@@ -318,10 +319,10 @@ ProjectionReport project(Body& body, const SlotSet& fixed, const Holds& held) {
   return report;
 }
 
-void keep_beyond(Body& body, const SlotSet& fixed, const Holds& held) {
+void keep_beyond(Body& body, const SlotSet& fixed, const Holds& held, Progress* progress) {
   std::array<BrickValues, 3> q = body.q;
   decltype(Body::fraction) fraction = body.fraction;
-  project(body, fixed, held);
+  project(body, fixed, held, progress);
   const auto beyond = std::make_shared<std::array<BrickValues, 3>>();
   for (std::size_t c = 0; c < 3; ++c) {
     BrickValues& values = (*beyond)[c];

@@ -305,7 +305,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   body.beyond.reset();
   if (step.links_beyond == LinksBeyond::keep) {
     stage(progress, "keeping links beyond limits");
-    keep_beyond(body, anchored_elements(body, task.held.anchors, task.held.holds), {});
+    keep_beyond(body, anchored_elements(body, task.held.anchors, task.held.holds), {}, progress);
   }
   record.milliseconds = ms_since(begin);
   warn_of_result(step, record, progress);

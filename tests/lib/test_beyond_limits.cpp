@@ -156,3 +156,26 @@ TEST_F(UnitBeyondLimits, ARelaxationProjectsThem) {
   EXPECT_GT(record.relaxed.projected_links, 0);
   EXPECT_EQ(check_links(session->body()).violated, 0);
 }
+
+TEST_F(UnitBeyondLimits, ACancelIsHeardWhileTheyAreFound) {
+  class StopWhereTheyAreFound final : public Progress {
+   public:
+    void stage(std::string_view name) override {
+      m_is_there = name == "keeping links beyond limits";
+    }
+    void update(double) override {}
+    bool cancelled() const override { return m_is_there; }
+
+   private:
+    bool m_is_there = false;
+  } stop;
+  Session session(m_folder / "block.nhdr", m_options);
+  StepRequest request;
+  request.fix.push_back({{0, 0, 0}, {15, 15, 0}});
+  request.drags = {Drag{Region({6, 6, 15}, {9, 9, 15}), {0.3, 0, 4}}};
+  request.fem = FemStep();
+  request.fem->links_beyond = LinksBeyond::keep;
+  EXPECT_THROW(session.step(request, &stop), Cancelled);
+  for (const BrickValues& q : session.body().q) EXPECT_TRUE(q.empty());
+  EXPECT_EQ(session.body().beyond, nullptr);
+}
