@@ -1,5 +1,6 @@
-// supple metrics: displacement, Jacobian determinant, folds and volume change of a deformed body,
-// as a summary and as maps.
+// supple metrics: displacement, Jacobian determinant, folds, volume change and bending of a
+// deformed body or of a warp, as a summary and as maps.
+#include <cmath>
 #include <cstdio>
 
 #include "tools/console/command.h"
@@ -7,9 +8,12 @@
 #include "tools/console/people_text.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/json.h"
+#include "volumes/field/dense/invert_warp.h"
 #include "volumes/field/inversion/deformation_metrics.h"
 #include "volumes/io/load/label_file.h"
+#include "volumes/io/load/stored_labels.h"
 #include "volumes/io/open_volume.h"
+#include "volumes/io/warp_file.h"
 #include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
@@ -17,8 +21,8 @@ namespace supple::tools {
 namespace {
 
 struct MetricsOptions {
-  std::string input, labels;
-  std::string displacement_map, jacobian_map, fold_map;
+  std::string input, labels, mask, grid;
+  std::string displacement_map, jacobian_map, fold_map, bending_map;
 };
 
 Fields fields(MetricsOptions& options) {
@@ -26,27 +30,87 @@ Fields fields(MetricsOptions& options) {
       Field("labels", options.labels, "Label volume on the same grid: a line per label")
           .shown_as("FILE")
           .otherwise("the state's labels"),
+      Field("mask", options.mask, "Count only where this volume of whole numbers is not 0")
+          .shown_as("FILE"),
+      Field("grid", options.grid, "Grid for a transform that names none").shown_as("FILE"),
       Field("displacement", options.displacement_map,
-            "Map of |u| in mm on the source grid, 0 outside the body")
+            "Map of |u| in mm on the source or warp's grid, 0 outside the body")
           .shown_as("VOLUME"),
       Field("jacobian", options.jacobian_map, "Map of det F = det(I + grad u), 1 outside the body")
           .shown_as("VOLUME"),
       Field("folds", options.fold_map, "Map of folded cells: 1 at their lowest corner")
           .shown_as("VOLUME"),
+      Field("bending", options.bending_map,
+            "Map of the bending energy's density in 1/mm^2, 0 where a neighbour is missing")
+          .shown_as("VOLUME"),
   };
 }
 
+/// A deformation to measure, of a state or of a warp, with the links that carry it.
+struct Measured {
+  Displacement u;
+  BrickTopology elements;
+  LinkCuts cuts;
+  BrickValues labels;     // of the state
+  std::string direction;  // of the warp; empty for a state
+
+  const Geometry& geometry() const { return u.geometry; }
+};
+
+Measured read_measured(const MetricsOptions& options, Console& console) {
+  Measured measured;
+  if (is_state_file(options.input)) {
+    if (!options.grid.empty()) {
+      throw UsageError("--grid: found a state, expected a transform that names no grid");
+    }
+    State state = read_reachable_state(options.input, &console);
+    measured.u = displacement_of(state);
+    measured.elements = state.elements;
+    measured.cuts = std::move(state.cuts);
+    measured.labels = std::move(state.labels);
+    return measured;
+  }
+  const auto grid = grid_of_file({options.grid});
+  const Warp warp = read_warp(options.input, &console, grid ? &*grid : nullptr);
+  measured.u = displacement_of_warp(warp);
+  measured.elements = measured.u.u.topology;
+  const char* const names[] = {"resample", "material"};
+  measured.direction = warp.direction ? names[int(*warp.direction)] : "not recorded";
+  return measured;
+}
+
+/// 1 at the elements where the mask of the file is not 0.
+BrickValues read_mask(const std::string& path, const Measured& measured, Console& console) {
+  const StoredLabels mask(*open_volume(path, {}, &console), &console);
+  BrickValues values(measured.elements.brick_count());
+  for (std::size_t b = 0; b < measured.elements.brick_count(); ++b) {
+    for_each_active(measured.elements.mask(b), [&](int offset) {
+      const Vec3d voxel(measured.elements.origin(b) + brick_local(offset));
+      if (mask.label_at(measured.geometry().world_from_index(voxel)) != 0) {
+        values.set(b * kBrickVoxels + std::size_t(offset), 1);
+      }
+    });
+  }
+  return values;
+}
+
 Value summary_json(const DeformationSummary& summary) {
+  Value bending;  // null where no element has all its neighbours
+  if (summary.bending_per_mm2) bending = *summary.bending_per_mm2;
   return {{"elements", summary.elements},
           {"moved", summary.moved},
           {"mean_mm", summary.mean_mm},
           {"rms_mm", summary.rms_mm},
+          {"median_mm", summary.median_mm},
           {"p95_mm", summary.p95_mm},
           {"max_mm", summary.max_mm},
           {"min_jacobian", summary.min_jacobian},
           {"max_jacobian", summary.max_jacobian},
+          {"sd_log_jacobian", summary.sd_log_jacobian},
+          {"nonpositive_jacobians", summary.nonpositive_jacobians},
           {"folded_cells", summary.folded_cells},
           {"folded_voxels", summary.folded_cells},  // the former name, for one release
+          {"bending_per_mm2", bending},
           {"rest_volume_mm3", summary.rest_volume_mm3},
           {"volume_mm3", summary.volume_mm3},
           {"volume_change_percent", 100 * summary.volume_change()}};
@@ -68,14 +132,14 @@ ScalarSliceSource slices_of(const DeformationMaps& maps, const Vec3i& dims, floa
   };
 }
 
-void write_maps(const MetricsOptions& options, const State& state, const DeformationMaps& maps,
-                Console& console) {
-  const Vec3i& dims = state.geometry.dims();
+void write_maps(const MetricsOptions& options, const Geometry& geometry,
+                const DeformationMaps& maps, Console& console) {
+  const Vec3i& dims = geometry.dims();
   const auto write = [&](const std::string& path, ValueType type, float elsewhere,
                          const std::function<float(std::size_t, int)>& value) {
     if (path.empty()) return;
     const auto slices = slices_of(maps, dims, elsewhere, value);
-    warn_of_all(path, write_volume(path, state.geometry, type, slices, &console), &console);
+    warn_of_all(path, write_volume(path, geometry, type, slices, &console), &console);
   };
   write(options.displacement_map, ValueType::float32, 0,
         [&](std::size_t b, int offset) { return maps.length_mm[b * kBrickVoxels + offset]; });
@@ -83,6 +147,10 @@ void write_maps(const MetricsOptions& options, const State& state, const Deforma
         [&](std::size_t b, int offset) { return maps.jacobian[b * kBrickVoxels + offset]; });
   write(options.fold_map, ValueType::uint8, 0,
         [&](std::size_t b, int offset) { return mask_test(maps.folded[b], offset) ? 1.0f : 0.0f; });
+  write(options.bending_map, ValueType::float32, 0, [&](std::size_t b, int offset) {
+    const float bending = maps.bending_per_mm2[b * kBrickVoxels + offset];
+    return std::isnan(bending) ? 0 : bending;
+  });
 }
 
 void print_metrics(const Value& json) {
@@ -101,28 +169,43 @@ void print_metrics(const Value& json) {
   }
 }
 
-int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Console& console) {
+OutputPlan plan_of(const MetricsOptions& options, const GlobalOptions& global) {
   OutputPlan plan(global.force);
-  plan.protect(options.input);
-  if (!options.labels.empty()) plan.protect(options.labels);
-  for (const std::string& map :
-       {options.displacement_map, options.jacobian_map, options.fold_map}) {
-    if (!map.empty()) plan.add_dense(map);
+  for (const std::string* input : {&options.input, &options.labels, &options.mask, &options.grid}) {
+    if (!input->empty()) plan.protect(*input);
   }
-  console.claim(plan.files());
-  const State state = read_reachable_state(options.input, &console);
-  const BrickValues labels = options.labels.empty()
-                                 ? state.labels
-                                 : read_labels(*open_volume(options.labels, {}, &console),
-                                               state.geometry, state.elements, &console);
-  console.stage("measuring");
-  const DeformationMaps maps = map_deformation(displacement_of(state), state.elements, state.cuts);
-  write_maps(options, state, maps, console);
+  for (const std::string* map : {&options.displacement_map, &options.jacobian_map,
+                                 &options.fold_map, &options.bending_map}) {
+    if (!map->empty()) plan.add_dense(*map);
+  }
+  return plan;
+}
 
-  Value json = summary_json(summarize(maps, state.geometry));
+int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Console& console) {
+  console.claim(plan_of(options, global).files());
+  const Measured measured = read_measured(options, console);
+  const Geometry& geometry = measured.geometry();
+  const BrickValues labels = options.labels.empty()
+                                 ? measured.labels
+                                 : read_labels(*open_volume(options.labels, {}, &console), geometry,
+                                               measured.elements, &console);
+  std::optional<BrickValues> mask;
+  if (!options.mask.empty()) mask = read_mask(options.mask, measured, console);
+  const BrickValues* const within = mask ? &*mask : nullptr;
+  console.stage("measuring");
+  const DeformationMaps maps = map_deformation(measured.u, measured.elements, measured.cuts);
+  const DeformationSummary whole = summarize(maps, geometry, within);
+  if (whole.elements == 0 && within != nullptr) {
+    throw InputError({options.mask, "", "0 wherever something is measured", "a mask of a part"});
+  }
+  write_maps(options, geometry, maps, console);
+
+  Value json;
+  if (!measured.direction.empty()) json["direction"] = measured.direction;
+  json.update(summary_json(whole));
   if (!labels.empty()) {
     json["labels"] = Value::table();
-    for (const auto& [label, summary] : summarize_labels(maps, labels, state.geometry)) {
+    for (const auto& [label, summary] : summarize_labels(maps, labels, geometry, within)) {
       json["labels"][std::to_string(label)] = summary_json(summary);
     }
   }
@@ -140,11 +223,16 @@ int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Cons
 Command add_metrics(CLI::App& program) {
   auto options = std::make_shared<MetricsOptions>();
   CLI::App* app = add_subcommand(
-      program, "metrics", "Displacement, Jacobian, folds and volume change of a deformed body",
+      program, "metrics",
+      "Displacement, Jacobian, folds, volume change and bending of a deformed body or a warp",
       "  supple metrics drag.vdb\n"
+      "  supple metrics 1Warp.nii.gz --mask lung.nii.gz\n"
       "  supple metrics drag.vdb --labels organs.nrrd --json\n"
       "  supple metrics drag.vdb --jacobian det_f.nrrd --displacement length.nrrd");
-  app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
+  app->add_option("deformation", options->input,
+                  "A state, or a warp or transform, whose vectors count as they stand")
+      ->required()
+      ->option_text("STATE.vdb|FIELD");
   add_field_options(*app, fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_metrics(*options, global, console);

@@ -142,6 +142,103 @@ TEST(UnitDeformationMetrics, LabelsAreSummedApartAndTogetherMakeTheWhole) {
   EXPECT_EQ(rows[0].moved + rows[4].moved, whole.moved);
 }
 
+/// u by world place, for the voxels of kScan.
+std::function<Vec3d(Vec3d)> in_world(const std::function<Vec3d(Vec3d)>& u_mm) {
+  return [u_mm](const Vec3d& x) {
+    return kScan.index_vector_from_world(u_mm(kScan.world_from_index(x)));
+  };
+}
+
+TEST(UnitDeformationMetrics, AnAffineMapDoesNotBend) {
+  const DeformationSummary summary =
+      summary_of([](const Vec3d& x) { return Vec3d(0.25 * x.x + 0.5 * x.y, 1 - x.y, 0.3 * x.z); });
+  ASSERT_TRUE(summary.bending_per_mm2);
+  EXPECT_LT(*summary.bending_per_mm2, 1e-10);
+}
+
+TEST(UnitDeformationMetrics, BendingIsTheSquaredNormOfTheHessiansInWorldCoordinates) {
+  // u_c = x^T Q_c x / 2 in mm, whose Hessians are Q_c, on a sheared grid of unequal steps.
+  const double Q[3][3][3] = {{{0.02, 0.01, -0.03}, {0.01, -0.04, 0.02}, {-0.03, 0.02, 0.01}},
+                             {{0, 0.05, 0}, {0.05, 0, 0}, {0, 0, 0}},
+                             {{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, -0.02}}};
+  double expected = 0;
+  for (const auto& component : Q) {
+    for (const auto& row : component) {
+      for (const double value : row) expected += value * value;
+    }
+  }
+  const auto quadratic = in_world([&](const Vec3d& x) {
+    Vec3d u(0);
+    for (int c = 0; c < 3; ++c) {
+      for (int a = 0; a < 3; ++a) {
+        for (int b = 0; b < 3; ++b) u[c] += 0.5 * x[a] * Q[c][a][b] * x[b];
+      }
+    }
+    return u;
+  });
+  const DeformationSummary summary = summary_of(quadratic);
+  ASSERT_TRUE(summary.bending_per_mm2);
+  EXPECT_NEAR(*summary.bending_per_mm2 / expected, 1, 2e-4);
+}
+
+TEST(UnitDeformationMetrics, BendingIsTakenOnlyWhereEveryNeighbourIsThereAndLinked) {
+  const BrickTopology elements = block();
+  LinkCuts cuts;
+  for (int y = 1; y <= 9; ++y) {
+    for (int z = 1; z <= 9; ++z) {
+      const Vec3i voxel(5, y, z);
+      cuts.cut(std::size_t(elements.find(voxel)), brick_offset(voxel), 0);
+    }
+  }
+  const auto apart = [](const Vec3d& x) { return Vec3d(x.x >= 6 ? 1.5 : 0.0, 0, 0); };
+  const auto bent = [&](const LinkCuts& by) {
+    const DeformationMaps maps = map_deformation(displaced(elements, apart), elements, by);
+    int count = 0;
+    for (const float bending : maps.bending_per_mm2) count += !std::isnan(bending);
+    return std::pair(count, *summarize(maps, kScan).bending_per_mm2);
+  };
+  EXPECT_EQ(bent({}).first, 7 * 7 * 7);
+  EXPECT_GT(bent({}).second, 0.01);
+  EXPECT_EQ(bent(cuts).first, 5 * 7 * 7);  // not beside the cut
+  EXPECT_EQ(bent(cuts).second, 0);
+}
+
+TEST(UnitDeformationMetrics, ASliceBendsInItsPlane) {
+  const Geometry slice({9, 8, 1}, {0, 0, 0}, {Vec3d(2, 0, 0), {0, 3, 0}, {0, 0, 1}});
+  std::vector<BrickMask> masks(2);
+  for (int x = 0; x < 9; ++x) {
+    for (int y = 0; y < 8; ++y) mask_set(masks[std::size_t(x / 8)], brick_offset({x, y, 0}));
+  }
+  const BrickTopology elements({{0, 0, 0}, {8, 0, 0}}, masks);
+  Displacement u = displaced(elements, [](const Vec3d& x) { return Vec3d(0, 0, 0.1 * x.x * x.y); });
+  u.geometry = slice;
+  const DeformationSummary summary = summarize(map_deformation(u, elements, {}), slice);
+  ASSERT_TRUE(summary.bending_per_mm2);
+  EXPECT_NEAR(*summary.bending_per_mm2, 2 * std::pow(0.1 / 6, 2), 1e-8);
+}
+
+TEST(UnitDeformationMetrics, AMaskLeavesTheDifferencesAndCountsLess) {
+  const BrickTopology elements = block();
+  const auto u = [](const Vec3d& x) { return Vec3d(0.01 * x.x * x.x, 0, 0); };
+  const DeformationMaps maps = map_deformation(displaced(elements, u), elements, {});
+  BrickValues mask(elements.brick_count());
+  mask.set(elements.find({5, 5, 5}) * kBrickVoxels + brick_offset({5, 5, 5}), 3);
+  const DeformationSummary one = summarize(maps, kScan, &mask);
+  EXPECT_EQ(one.elements, 1);
+  EXPECT_NEAR(one.min_jacobian, 1.1, 1e-5) << "central, beyond the mask";
+  EXPECT_EQ(one.min_jacobian, one.max_jacobian);
+}
+
+TEST(UnitDeformationMetrics, VolumesTurnedInsideOutAreCountedAndLeftOutOfLogarithms) {
+  // det F is 2 up to x = 5 and -0.5 beyond, 0.75 where both meet.
+  const DeformationSummary summary =
+      summary_of([](const Vec3d& x) { return Vec3d(x.x <= 5 ? x.x : 5 - 1.5 * (x.x - 5), 0, 0); });
+  EXPECT_EQ(summary.nonpositive_jacobians, 4 * 81);
+  const double mean = (4 * std::log(2) + std::log(0.75)) / 5;
+  const double squares = (4 * std::pow(std::log(2), 2) + std::pow(std::log(0.75), 2)) / 5;
+  EXPECT_NEAR(summary.sd_log_jacobian, std::sqrt(squares - mean * mean), 1e-5);
+}
+
 TEST(FaultDeformationMetrics, AValueThatIsNotFiniteIsAnError) {
   EXPECT_THROW(summary_of([](const Vec3d& x) { return Vec3d(x.x == 4 ? NAN : 0, 0, 0); }),
                InputError);

@@ -6,8 +6,8 @@
 #include <tbb/parallel_for.h>
 
 #include "volumes/base/error.h"
-#include "volumes/field/inversion/deformed_cell.h"
-#include "volumes/grid/cell.h"
+#include "volumes/field/inversion/linked_elements.h"
+#include "volumes/field/length_statistics.h"
 
 namespace supple {
 
@@ -15,110 +15,101 @@ namespace {
 
 constexpr double kMovedMm = 1e-6;
 
-double determinant(const Vec3d& x, const Vec3d& y, const Vec3d& z) {
-  return x.dot(y.cross(z));
-}
-
-/// Differences of u between elements that are linked.
-class LinkedElements {
+/// The squared Frobenius norm of second derivatives in world coordinates. With H of one component
+/// of u along the grid's axes and A = dx/di this is |A^-T H A^-1|^2 = tr(H M H M), M = A^-1 A^-T.
+class BendingNorm {
  public:
-  LinkedElements(const Displacement& u, const BrickTopology& elements, const LinkCuts& cuts)
-      : m_u(u.u), m_elements(elements), m_cuts(cuts) {}
-
-  Vec3d at(const Vec3i& voxel) const {
-    Vec3f vector(0);
-    m_u.at(voxel, vector);
-    return Vec3d(vector);
-  }
-
-  /// The link from a voxel to the next one along the axis.
-  bool is_linked(const Vec3i& voxel, int axis) const {
-    Vec3i next = voxel;
-    ++next[axis];
-    const std::int32_t b = m_elements.find(voxel);
-    return b >= 0 && mask_test(m_elements.mask(b), brick_offset(voxel)) &&
-           m_elements.is_active(next) && !m_cuts.is_cut(b, brick_offset(voxel), axis);
-  }
-
-  /// det F at an element.
-  double jacobian(const Vec3i& voxel) const {
-    std::array<Vec3d, 3> columns = {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}};
-    for (int axis = 0; axis < 3; ++axis) columns[axis] += derivative(voxel, axis);
-    return determinant(columns[0], columns[1], columns[2]);
-  }
-
-  /// Whether the cell above the voxel is complete and folded.
-  bool is_folded(const Vec3i& voxel) const {
-    CellCorners corners;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3i step = cell_corner(corner);
-      for (int axis = 0; axis < 3; ++axis) {
-        if (step[axis] == 0 && !is_linked(voxel + step, axis)) return false;
-      }
-      const Vec3d place = Vec3d(step) + at(voxel + step);
-      for (int c = 0; c < 3; ++c) corners.p[c][corner] = place[c];
+  explicit BendingNorm(const Geometry& geometry) : m_geometry(geometry) {
+    for (int a = 0; a < 3; ++a) {
+      Vec3d axis(0);
+      axis[a] = 1;
+      m_gradients[a] = geometry.world_gradient_from_index(axis);
     }
-    return supple::is_folded(corners);
+  }
+
+  double operator()(const SecondDerivatives& index) const {
+    SecondDerivatives D, DM;
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) D[a][b] = m_geometry.world_vector_from_index(index[a][b]);
+    }
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) {
+        DM[a][b] = Vec3d(0);
+        for (int c = 0; c < 3; ++c) DM[a][b] += D[a][c] * m_gradients[c].dot(m_gradients[b]);
+      }
+    }
+    double sum = 0;
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) sum += DM[a][b].dot(DM[b][a]);
+    }
+    return sum;
   }
 
  private:
-  Vec3d derivative(const Vec3i& voxel, int axis) const {
-    Vec3i before = voxel, after = voxel;
-    --before[axis];
-    ++after[axis];
-    const bool has_before = is_linked(before, axis), has_after = is_linked(voxel, axis);
-    if (!has_before && !has_after) return Vec3d(0);
-    const Vec3i& lo = has_before ? before : voxel;
-    const Vec3i& hi = has_after ? after : voxel;
-    return (at(hi) - at(lo)) * (has_before && has_after ? 0.5 : 1.0);
-  }
-
-  const VectorBricks& m_u;
-  const BrickTopology& m_elements;
-  const LinkCuts& m_cuts;
+  const Geometry& m_geometry;
+  std::array<Vec3d, 3> m_gradients;  // of the index coordinates, 1/mm
 };
 
-/// Adds up elements; the percentile needs all lengths.
+/// Adds up elements; the percentiles need all lengths.
 class Summary {
  public:
-  void add(float length_mm, double jacobian, bool folded) {
-    m_lengths.push_back(length_mm);
-    m_sum += length_mm;
-    m_squares += double(length_mm) * length_mm;
-    m_jacobians += jacobian;
-    m_result.moved += length_mm > kMovedMm;
-    m_result.folded_cells += folded;
-    const bool is_first = m_lengths.size() == 1;
+  void add(const DeformationMaps& maps, std::size_t b, int offset) {
+    const std::size_t slot = b * kBrickVoxels + std::size_t(offset);
+    const double jacobian = maps.jacobian[slot], bending = maps.bending_per_mm2[slot];
+    const bool is_first = m_lengths.empty();
+    m_lengths.push_back(maps.length_mm[slot]);
+    m_result.moved += maps.length_mm[slot] > kMovedMm;
+    m_result.folded_cells += mask_test(maps.folded[b], offset);
     m_result.min_jacobian = is_first ? jacobian : std::min(m_result.min_jacobian, jacobian);
     m_result.max_jacobian = is_first ? jacobian : std::max(m_result.max_jacobian, jacobian);
+    m_jacobians += jacobian;
+    if (jacobian > 0) {
+      m_logs += std::log(jacobian);
+      m_squared_logs += std::log(jacobian) * std::log(jacobian);
+    } else {
+      ++m_result.nonpositive_jacobians;
+    }
+    if (!std::isnan(bending)) {
+      m_bending += bending;
+      ++m_bent;
+    }
   }
 
   DeformationSummary finish(double voxel_mm3) {
     if (m_lengths.empty()) return m_result;
-    const double count = double(m_lengths.size());
-    m_result.elements = std::int64_t(m_lengths.size());
-    m_result.mean_mm = m_sum / count;
-    m_result.rms_mm = std::sqrt(m_squares / count);
-    m_result.max_mm = *std::max_element(m_lengths.begin(), m_lengths.end());
-    const std::size_t rank = std::size_t(std::ceil(0.95 * count)) - 1;
-    std::nth_element(m_lengths.begin(), m_lengths.begin() + rank, m_lengths.end());
-    m_result.p95_mm = m_lengths[rank];
-    m_result.rest_volume_mm3 = count * voxel_mm3;
+    const LengthStatistics lengths = statistics_of(std::move(m_lengths));
+    m_result.elements = lengths.count;
+    m_result.mean_mm = lengths.mean_mm;
+    m_result.rms_mm = lengths.rms_mm;
+    m_result.median_mm = lengths.median_mm;
+    m_result.p95_mm = lengths.p95_mm;
+    m_result.max_mm = lengths.max_mm;
+    m_result.rest_volume_mm3 = double(lengths.count) * voxel_mm3;
     m_result.volume_mm3 = m_jacobians * voxel_mm3;
+    const double positive = double(lengths.count - m_result.nonpositive_jacobians);
+    if (positive > 0) {
+      const double mean = m_logs / positive;
+      m_result.sd_log_jacobian = std::sqrt(std::max(m_squared_logs / positive - mean * mean, 0.0));
+    }
+    if (m_bent > 0) m_result.bending_per_mm2 = m_bending / double(m_bent);
     return m_result;
   }
 
  private:
   std::vector<float> m_lengths;
-  double m_sum = 0, m_squares = 0, m_jacobians = 0;
+  double m_jacobians = 0, m_logs = 0, m_squared_logs = 0, m_bending = 0;
+  std::int64_t m_bent = 0;  // elements with second derivatives
   DeformationSummary m_result;
 };
 
+/// take(brick, offset) of all elements, or of those whose mask is not 0.
 template <class Take>
-void for_each_element(const DeformationMaps& maps, const Take& take) {
+void for_each_element(const DeformationMaps& maps, const BrickValues* mask, const Take& take) {
   for (std::size_t b = 0; b < maps.elements.brick_count(); ++b) {
-    for_each_active(maps.elements.mask(b),
-                    [&](int offset) { take(b, offset, b * kBrickVoxels + offset); });
+    const std::int32_t* const within = mask != nullptr ? mask->brick_or_zero(b) : nullptr;
+    for_each_active(maps.elements.mask(b), [&](int offset) {
+      if (within == nullptr || within[offset] != 0) take(b, offset);
+    });
   }
 }
 
@@ -131,8 +122,10 @@ DeformationMaps map_deformation(const Displacement& u, const BrickTopology& elem
   const std::size_t slots = elements.brick_count() * kBrickVoxels;
   maps.length_mm.resize(slots, 0.0f);
   maps.jacobian.resize(slots, 1.0f);
+  maps.bending_per_mm2.resize(slots, NAN);
   maps.folded.resize(elements.brick_count(), BrickMask{});
   const LinkedElements linked(u, elements, cuts);
+  const BendingNorm norm(u.geometry);
   tbb::parallel_for(std::size_t(0), elements.brick_count(), [&](std::size_t b) {
     for_each_active(elements.mask(b), [&](int offset) {
       const Vec3i voxel = elements.origin(b) + brick_local(offset);
@@ -143,27 +136,28 @@ DeformationMaps map_deformation(const Displacement& u, const BrickTopology& elem
       const std::size_t slot = b * kBrickVoxels + offset;
       maps.length_mm[slot] = float(moved.length());
       maps.jacobian[slot] = float(linked.jacobian(voxel));
+      SecondDerivatives D;
+      if (linked.second_derivatives(voxel, D)) maps.bending_per_mm2[slot] = float(norm(D));
       if (linked.is_folded(voxel)) mask_set(maps.folded[b], offset);
     });
   });
   return maps;
 }
 
-DeformationSummary summarize(const DeformationMaps& maps, const Geometry& geometry) {
+DeformationSummary summarize(const DeformationMaps& maps, const Geometry& geometry,
+                             const BrickValues* mask) {
   Summary summary;
-  for_each_element(maps, [&](std::size_t b, int offset, std::size_t slot) {
-    summary.add(maps.length_mm[slot], maps.jacobian[slot], mask_test(maps.folded[b], offset));
-  });
+  for_each_element(maps, mask, [&](std::size_t b, int offset) { summary.add(maps, b, offset); });
   return summary.finish(std::abs(geometry.determinant()));
 }
 
 std::map<std::int32_t, DeformationSummary> summarize_labels(const DeformationMaps& maps,
                                                             const BrickValues& labels,
-                                                            const Geometry& geometry) {
+                                                            const Geometry& geometry,
+                                                            const BrickValues* mask) {
   std::map<std::int32_t, Summary> sums;
-  for_each_element(maps, [&](std::size_t b, int offset, std::size_t slot) {
-    const std::int32_t label = labels.brick_or_zero(b)[offset];
-    sums[label].add(maps.length_mm[slot], maps.jacobian[slot], mask_test(maps.folded[b], offset));
+  for_each_element(maps, mask, [&](std::size_t b, int offset) {
+    sums[labels.brick_or_zero(b)[offset]].add(maps, b, offset);
   });
   std::map<std::int32_t, DeformationSummary> summaries;
   for (auto& [label, summary] : sums) {

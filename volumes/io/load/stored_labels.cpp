@@ -121,4 +121,12 @@ void StoredLabels::nearest(const Vec3d& lps_mm, char* out) const {
               std::size_t(m_bytes));
 }
 
+double StoredLabels::label_at(const Vec3d& lps_mm) const {
+  char stored[sizeof(double)];
+  nearest(lps_mm, stored);
+  double label = 0;
+  scale_values_of(type())(stored, 1, 1, 0, &label);
+  return label;
+}
+
 }  // namespace supple

@@ -34,6 +34,8 @@ class StoredLabels {
   /// Copies the stored value of the voxel nearest to a place; 0 beyond the outer voxel faces. Half
   /// way between two voxels it is that of the lower index.
   void nearest(const Vec3d& lps_mm, char* out) const;
+  /// The same as a number.
+  double label_at(const Vec3d& lps_mm) const;
 
  private:
   void take_slab(const std::vector<char>& slab, int first, int slices);
