@@ -20,8 +20,8 @@ FREE_BYTES = 4096  # on the full disk
 KILLS = 8
 TEMPORARY = re.compile(r"^\.supple-\d+-")
 LEFT = re.compile(r"^\.supple(-\d+-.*|\.lock)$")
-FORMATS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "tif", "vdb", "h5"]
-WARPS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "h5"]
+FORMATS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "tif", "vdb", "vti", "h5"]
+WARPS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "vti", "vtu", "vtk", "h5"]
 MATERIAL = ("domain = [0, 1000]\nactive = [200, 1000]\nmax_length = [[0, 1.3]]\n"
             "min_length = [[0, 0.7]]\nshear = [[0, 0.3]]\n")
 

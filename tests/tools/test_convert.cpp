@@ -73,7 +73,7 @@ TEST_F(UnitConvert, EveryFormatKeepsValuesAndTypeAndMostTheGeometry) {
   write_ramp("a.nrrd", ValueType::int16);
   const Json source = info("a.nrrd");
   for (const char* name :
-       {"b.nhdr", "b.mha", "c.mhd", "b.nii", "b.nii.gz", "b.tif", "b.h5", "b.vdb"}) {
+       {"b.nhdr", "b.mha", "c.mhd", "b.nii", "b.nii.gz", "b.tif", "b.h5", "b.vdb", "b.vti"}) {
     expect_done("convert", "a.nrrd", name);
     const Json copy = info(name);
     EXPECT_EQ(copy["sha256"], source["sha256"]) << name;
@@ -123,7 +123,7 @@ TEST_F(UnitConvert, WarpsKeepVectorsDirectionAndCertificateThroughEveryFormat) {
   expect_done("invert", "w.nrrd", "a.nrrd", {"--direction", "material"});
   const Json source = info("a.nrrd");
   std::string last = "a.nrrd";
-  for (const char* name : {"b.mha", "b.h5", "b.vdb", "b.nii.gz", "b.nrrd"}) {
+  for (const char* name : {"b.mha", "b.h5", "b.vdb", "b.vti", "b.nii.gz", "b.nrrd"}) {
     expect_done("convert", last, name);
     const Json copy = info(name);
     EXPECT_EQ(copy["direction_of_vectors"], "material") << name;

@@ -1,9 +1,18 @@
-// supple export: the deformation of a state as a warp file that other programs read.
+// supple export: the deformation of a state as a warp, or its body as a solid of hexahedra, that
+// other programs read.
+#include <cstdio>
+
+#include "lib/session/fem/state_solid.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/parse.h"
 #include "tools/console/result_lines.h"
 #include "tools/scene/file/offset_functions.h"
 #include "tools/scene/run/output_plan.h"
+#include "volumes/base/json.h"
+#include "volumes/io/load/label_file.h"
+#include "volumes/io/load/values_at.h"
+#include "volumes/io/open_volume.h"
 #include "volumes/state/state_outputs.h"
 #include "volumes/state/state_source.h"
 
@@ -17,6 +26,7 @@ struct ExportOptions {
   VoidMode void_mode = VoidMode::nearest;
   GridChoice grid;
   WriteOptions write;
+  std::vector<std::string> elements;  // NAME=FILE
 };
 
 Fields fields(ExportOptions& options) {
@@ -29,7 +39,47 @@ Fields fields(ExportOptions& options) {
   };
 }
 
+/// Values of the elements out of a volume on the grid of the state, as deform --elements writes it.
+SolidArray read_elements(const NamedFile& named, const State& state, Console& console) {
+  const auto file = open_volume(named.file, {}, &console);
+  require_grid(file->header(), state.geometry);
+  return {named.name, 1, false, values_at(*file, voxels_of(state.elements))};
+}
+
+int export_solid(const ExportOptions& options, const GlobalOptions& global, Console& console) {
+  const bool has_grid = !options.grid.file.empty() || options.grid.margin_mm != 0;
+  if (has_grid || options.void_mode != VoidMode::nearest || !options.path.empty()) {
+    throw UsageError("--grid, --margin, --void and --path: found " + options.output +
+                     ", expected a warp (a solid is at rest, with its displacement)");
+  }
+  OutputPlan plan(global.force);
+  plan.protect(options.input);
+  std::vector<NamedFile> files;
+  for (const std::string& text : options.elements) {
+    files.push_back(named_file("--elements", text));
+    plan.protect(files.back().file);
+  }
+  plan.add_files({options.output});
+  console.claim(plan.files());
+  const State state = read_state(options.input, &console);
+  std::vector<SolidArray> more;
+  for (const NamedFile& named : files) more.push_back(read_elements(named, state, console));
+  const HexSolid solid = solid_of(state, options.input, std::move(more), &console);
+  write_solid(options.output, solid, &console);
+  if (global.json) {
+    const Value json = {{"output", options.output},
+                        {"points", solid.points_lps_mm.size()},
+                        {"hexahedra", solid.hexahedra.size()}};
+    std::printf("%s\n", json_text(json, 2).c_str());
+  }
+  return kOk;
+}
+
 int run_export(const ExportOptions& options, const GlobalOptions& global, Console& console) {
+  if (is_solid_name(options.output)) return export_solid(options, global, console);
+  if (!options.elements.empty()) {
+    throw UsageError("--elements: found " + options.output + ", expected a solid (.vtu or .vtk)");
+  }
   OutputPlan plan(global.force);
   plan.protect(options.input);
   if (!options.grid.file.empty()) plan.protect(options.grid.file);
@@ -64,15 +114,23 @@ int run_export(const ExportOptions& options, const GlobalOptions& global, Consol
 
 Command add_export(CLI::App& program) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* app = add_subcommand(
-      program, "export", "Write a state's deformation as a warp for ITK, elastix, Slicer, ANTs",
-      "  supple export drag.vdb -o warp.nrrd\n"
-      "  supple export drag.vdb --margin 20 --void outside -o warp.mha\n"
-      "  supple export drag.vdb --direction material -o push.nii.gz");
+  CLI::App* app =
+      add_subcommand(program, "export",
+                     "Write a state's deformation as a warp for ITK, elastix, Slicer, ANTs, or its "
+                     "body as a solid "
+                     "for ParaView, SOFA, FEBio",
+                     "  supple export drag.vdb --margin 20 --void outside -o warp.mha\n"
+                     "  supple export drag.vdb --elements von_mises=stress.nrrd -o body.vtu\n"
+                     "  supple export drag.vdb --direction material -o push.nii.gz");
   app->add_option("state", options->input, "A state file")->required()->option_text("STATE.vdb");
-  app->add_option("-o,--output", options->output, "Warp to write; its extension chooses the format")
+  app->add_option("-o,--output", options->output,
+                  "Warp or solid (.vtu, .vtk) to write; its extension chooses the format")
       ->required()
-      ->option_text("FIELD");
+      ->option_text("FIELD|SOLID");
+  app->add_option("--elements", options->elements,
+                  "Solids: values of the elements out of a volume on their grid; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("NAME=FILE");
   add_field_options(*app, fields(*options));
   add_field_options(*app, fields(options->write));
   add_field_options(*app, vector_fields(options->write));

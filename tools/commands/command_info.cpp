@@ -1,6 +1,7 @@
 // supple info: the contents of volume, warp and state files.
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
@@ -10,15 +11,22 @@
 #include "volumes/base/json.h"
 #include "volumes/base/sha256.h"
 #include "volumes/grid/labels.h"
+#include "volumes/io/bytes/input_file.h"
 #include "volumes/io/bytes/value_type.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/load/load.h"
+#include "volumes/io/mesh/mesh_contents.h"
 #include "volumes/io/open_volume.h"
+#include "volumes/io/vtu/vtu.h"
+#include "volumes/state/state.h"
 #include "volumes/state/state_source.h"
 
 namespace supple::tools {
 
 namespace {
+
+/// Bytes in which VTK's XML says what it holds.
+constexpr std::size_t kVtkHead = 1024;
 
 struct InfoOptions {
   std::vector<std::string> inputs;
@@ -185,6 +193,32 @@ Value describe_state(const std::string& path, Console& console) {
   return json;
 }
 
+Value describe_mesh(const MeshContents& contents) {
+  Value json = {{"format", contents.format},
+                {"points", contents.points},
+                {"cells", contents.cells},
+                {"low_lps_mm", contents.low_lps_mm},
+                {"high_lps_mm", contents.high_lps_mm}};
+  for (const bool is_of_cells : {false, true}) {
+    Value& arrays = json[is_of_cells ? "cell_arrays" : "point_arrays"];
+    arrays = Value::table();
+    for (const MeshArray& array : contents.arrays) {
+      if (array.is_of_cells == is_of_cells) arrays[array.name] = array.components;
+    }
+  }
+  return json;
+}
+
+/// The kind of file by its content, or for meshes by its name.
+Value describe_any(const std::string& path, const ReadOptions& read, Console& console) {
+  if (is_state_file(path)) return describe_state(path, console);
+  if (std::filesystem::is_regular_file(path)) {
+    if (is_vtu(InputFile(path).head(kVtkHead))) return describe_mesh(vtu_contents(path));
+    if (is_mesh_name(path)) return describe_mesh(mesh_contents(path));
+  }
+  return describe_volume(path, read, console);
+}
+
 /// One "name  value" line per entry; the affine repeats the lines before it.
 void print_info(const Value& json) {
   for (const auto& [name, value] : json.entries()) {
@@ -204,8 +238,7 @@ void print_info(const Value& json) {
 }
 
 Value describe(const std::string& path, const ReadOptions& read, Console& console) {
-  const Value json =
-      is_state_file(path) ? describe_state(path, console) : describe_volume(path, read, console);
+  const Value json = describe_any(path, read, console);
   const auto voids = [&](const char* key) { return json.contains(key) ? json[key].whole() : 0; };
   VolumeStatistics statistics;
   statistics.nan_count = voids("nan_voxels");

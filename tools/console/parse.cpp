@@ -47,6 +47,17 @@ bool is_place(const std::vector<std::string>& corners) {
 
 }  // namespace
 
+NamedFile named_file(const std::string& option, const std::string& text) {
+  static const char* const kAllowed =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.";
+  const std::size_t sign = text.find('=');
+  if (sign == 0 || sign == std::string::npos || sign + 1 == text.size() ||
+      text.substr(0, sign).find_first_not_of(kAllowed) != std::string::npos) {
+    throw_unparsed(option, text, "QUANTITY=FILE, such as von_mises=stress.nrrd");
+  }
+  return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts;
   std::istringstream stream(text);

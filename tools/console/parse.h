@@ -13,6 +13,11 @@ namespace supple::tools {
 
 /// The parts between separators.
 std::vector<std::string> split(const std::string& text, char separator);
+/// "NAME=FILE", the name of letters, digits, '_', '-' and '.'.
+struct NamedFile {
+  std::string name, file;
+};
+NamedFile named_file(const std::string& option, const std::string& text);
 /// "I,J,K" or "I,J,K:I,J,K", the corners in any order; text that is no label and no file must be
 /// one.
 IndexBox parse_box(const std::string& option, const std::string& text);

@@ -99,6 +99,7 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   const TransformKind transform = transform_kind(head);
   if (transform != TransformKind::none) return open_transform(path, transform, options.grid);
   if (is_vtu(head)) return open_vtu(path, options.grid);
+  if (is_vti(head)) return open_vti(path);
   if (is_binary_transform(head)) {
     throw InputError({path, "format", "a transform in ITK's binary .mat",
                       "its text: ConvertTransformFile 3 NAME.mat NAME.tfm (of ANTs) makes it"});
@@ -124,8 +125,8 @@ std::unique_ptr<VolumeFile> open_known(const std::string& path, const ReadOption
   }
   throw InputError(
       {path, "format", "unknown content",
-       "NRRD, MetaImage, NIfTI, GIPL, DICOM, HDF5, OpenVDB, TIFF, PNG, or raw values described "
-       "by raw"});
+       "NRRD, MetaImage, NIfTI, GIPL, DICOM, HDF5, OpenVDB, VTI, TIFF, PNG, or raw values "
+       "described by raw"});
 }
 
 /// Readers and loaders hold slices; no scanner makes larger ones.
@@ -142,7 +143,7 @@ void check_slice(const VolumeHeader& header) {
 /// Readers of several frames choose among them by themselves.
 bool has_frames(const std::string& format) {
   return format != "png" && format != "raw" && format != "vdb" && format != "transform" &&
-         format != "vtu";
+         format != "vtu" && format != "vti";
 }
 
 }  // namespace

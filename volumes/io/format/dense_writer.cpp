@@ -33,6 +33,7 @@ constexpr OutputFormat kFormats[] = {
     {".tif", create_tiff, false, false, true},       //
     {".tiff", create_tiff, false, false, true},      //
     {".vdb", create_vdb, false, false, false},       //
+    {".vti", create_vti, false, false, false},       //
     {".h5", create_hdf5, false, false, true},        //
     {".hdf5", create_hdf5, false, false, true},      //
 };

@@ -80,6 +80,8 @@ std::unique_ptr<DenseWriter> create_metaimage(const std::string& path, const std
                                               const DenseImage& image, const WriteOptions& options);
 std::unique_ptr<DenseWriter> create_tiff(const std::string& path, const std::string& raw_path,
                                          const DenseImage& image, const WriteOptions& options);
+std::unique_ptr<DenseWriter> create_vti(const std::string& path, const std::string& raw_path,
+                                        const DenseImage& image, const WriteOptions& options);
 std::unique_ptr<DenseWriter> create_vdb(const std::string& path, const std::string& raw_path,
                                         const DenseImage& image, const WriteOptions& options);
 

@@ -21,6 +21,8 @@ std::unique_ptr<VolumeFile> open_gipl(const std::string& path, const ReadOptions
 std::unique_ptr<VolumeFile> open_png(const std::string& path);
 /// TIFF and BigTIFF of one page or many; ImageJ stacks and OME-TIFF.
 std::unique_ptr<VolumeFile> open_tiff(const std::string& path, const ReadOptions& options);
+/// VTK's XML image data with one array, or one that the file calls its scalars or vectors.
+std::unique_ptr<VolumeFile> open_vti(const std::string& path);
 /// A grid of floats or of vectors of an OpenVDB file that is no state.
 std::unique_ptr<VolumeFile> open_vdb(const std::string& path);
 /// HDF5: ITK images and transforms, NeXus, or a dataset named as `file.h5:/path`.

@@ -14,8 +14,8 @@ static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
 class HeaderWriter : public DenseWriter {
  public:
   HeaderWriter(const std::string& path, const std::string& raw_path, const std::string& header,
-               const DenseImage& image, StreamCoding coding)
-      : m_header_file(path), m_size_place(header.find(kStreamSize)) {
+               const DenseImage& image, StreamCoding coding, const std::string& footer)
+      : m_header_file(path), m_size_place(header.find(kStreamSize)), m_footer(footer) {
     if (!raw_path.empty()) m_raw_file.emplace(raw_path);
     m_header_file.write(header);
     m_stream_start = values().position();
@@ -34,6 +34,7 @@ class HeaderWriter : public DenseWriter {
 
   void commit() override {
     if (m_gzip) finish_stream();
+    values().write(m_footer);
     if (m_raw_file) m_raw_file->close();
     m_header_file.close();
     const CommonCommit both;
@@ -57,6 +58,7 @@ class HeaderWriter : public DenseWriter {
   std::optional<OutputFile> m_raw_file;
   std::optional<GzipStream> m_gzip;
   std::size_t m_size_place;  // of kStreamSize in the header
+  std::string m_footer;
   std::int64_t m_stream_start = 0;
   std::size_t m_slice_bytes = 0;
 };
@@ -66,8 +68,8 @@ class HeaderWriter : public DenseWriter {
 std::unique_ptr<DenseWriter> write_after_header(const std::string& path,
                                                 const std::string& raw_path,
                                                 const std::string& header, const DenseImage& image,
-                                                StreamCoding coding) {
-  return std::make_unique<HeaderWriter>(path, raw_path, header, image, coding);
+                                                StreamCoding coding, const std::string& footer) {
+  return std::make_unique<HeaderWriter>(path, raw_path, header, image, coding, footer);
 }
 
 }  // namespace supple

@@ -17,27 +17,6 @@ namespace {
 
 constexpr double kGridTolerance = 1e-3;  // voxels
 
-/// Two affines differ most at a corner of the box.
-void check_grid(const VolumeHeader& header, const Geometry& geometry) {
-  const Vec3i& dims = geometry.dims();
-  if (!(header.geometry.dims() == dims)) {
-    throw InputError({header.path, "dims", to_text(header.geometry.dims()),
-                      to_text(dims) + ", the grid of the volume that it labels"});
-  }
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3i voxel = cell_corner(corner) * (dims - Vec3i(1));
-    const Vec3d apart =
-        geometry.index_from_world(header.geometry.world_from_index(Vec3d(voxel))) - Vec3d(voxel);
-    const double farthest = std::max({std::abs(apart.x), std::abs(apart.y), std::abs(apart.z)});
-    if (farthest <= kGridTolerance) continue;
-    throw InputError({header.path, "grid",
-                      "voxel " + to_text(voxel) + " is " + number_text(farthest) +
-                          " voxels from where it should be",
-                      "the grid of the volume that it labels, within " +
-                          number_text(kGridTolerance) + " voxel"});
-  }
-}
-
 void check_values(const Slab& slab, const std::string& path) {
   for (std::size_t n = 0; n < slab.values.size(); ++n) {
     const float value = slab.values[n];
@@ -68,9 +47,30 @@ void take_labels(const Slab& slab, const BrickTopology& elements, BrickValues& l
 
 }  // namespace
 
+/// Two affines differ most at a corner of the box.
+void require_grid(const VolumeHeader& header, const Geometry& geometry) {
+  const Vec3i& dims = geometry.dims();
+  if (!(header.geometry.dims() == dims)) {
+    throw InputError({header.path, "dims", to_text(header.geometry.dims()),
+                      to_text(dims) + ", the grid of the volume that it labels"});
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3i voxel = cell_corner(corner) * (dims - Vec3i(1));
+    const Vec3d apart =
+        geometry.index_from_world(header.geometry.world_from_index(Vec3d(voxel))) - Vec3d(voxel);
+    const double farthest = std::max({std::abs(apart.x), std::abs(apart.y), std::abs(apart.z)});
+    if (farthest <= kGridTolerance) continue;
+    throw InputError({header.path, "grid",
+                      "voxel " + to_text(voxel) + " is " + number_text(farthest) +
+                          " voxels from where it should be",
+                      "the grid of the volume that it labels, within " +
+                          number_text(kGridTolerance) + " voxel"});
+  }
+}
+
 BrickValues read_labels(VolumeFile& file, const Geometry& geometry, const BrickTopology& elements,
                         Progress* progress) {
-  check_grid(file.header(), geometry);
+  require_grid(file.header(), geometry);
   BrickValues labels(elements.brick_count());
   SlabReader reader(file, progress);
   Slab slab;

@@ -18,6 +18,10 @@ BrickValues read_labels(const std::string& path, const Geometry& geometry,
 BrickValues read_labels(VolumeFile& file, const Geometry& geometry, const BrickTopology& elements,
                         Progress* progress = nullptr);
 
+/// Throws InputError for a volume that does not lie on the grid: other dims, or a voxel more than
+/// 1e-3 voxel from its place.
+void require_grid(const VolumeHeader& header, const Geometry& geometry);
+
 /// Names that a file gives its labels; empty where it gives none, or is not there. Reads a header.
 LabelNames label_names(const std::string& path);
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "volumes/io/mesh/mesh_contents.h"
 #include "volumes/io/mesh/mesh_slots.h"
 #include "volumes/io/mesh/triangle_mesh.h"
 
@@ -71,6 +72,9 @@ TriangleMesh read_obj(const std::string& path, const std::string& content, MeshS
 /// cells are the surface, and structured grids, which have none.
 TriangleMesh read_vtk(const std::string& path, const std::string& content, MeshSlots* slots,
                       MeshLines* lines);
+
+/// Counts the cells of a legacy VTK file, and lists its arrays.
+void add_vtk_contents(const std::string& path, const std::string& content, MeshContents& contents);
 
 /// The whole file. Throws InputError above 16 GB.
 std::string read_mesh_content(const std::string& path);

@@ -1,10 +1,12 @@
 // Chooses the reader by extension and checks what all of them return.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "volumes/base/error.h"
 #include "volumes/io/bytes/byte_source.h"
 #include "volumes/io/bytes/text_header.h"
+#include "volumes/io/mesh/mesh_contents.h"
 #include "volumes/io/mesh/mesh_formats.h"
 
 namespace supple {
@@ -48,9 +50,13 @@ void check_lines(const std::string& path, const LineNetwork& network) {
   }
 }
 
+std::string mesh_extension(const std::string& path) {
+  return lower_case(std::filesystem::path(path).extension().string());
+}
+
 TriangleMesh parse(const std::string& path, const std::string& content, MeshSlots* slots,
                    MeshLines* lines) {
-  const std::string extension = lower_case(std::filesystem::path(path).extension().string());
+  const std::string extension = mesh_extension(path);
   if (extension == ".stl") return read_stl(path, content, slots);
   if (extension == ".ply") return read_ply(path, content, slots, lines);
   if (extension == ".obj") return read_obj(path, content, slots, lines);
@@ -90,6 +96,34 @@ TriangleMesh read_mesh(const std::string& path) {
   TriangleMesh mesh = parse_mesh(path, read_mesh_content(path), nullptr);
   if (mesh.triangles.empty()) throw InputError({path, "mesh", "no triangle", "a surface"});
   return mesh;
+}
+
+bool is_mesh_name(const std::string& path) {
+  const std::string extension = mesh_extension(path);
+  return extension == ".stl" || extension == ".ply" || extension == ".obj" || extension == ".vtk";
+}
+
+void MeshContents::take_box(const std::vector<Vec3d>& points_lps_mm) {
+  if (points_lps_mm.empty()) return;
+  low_lps_mm = high_lps_mm = points_lps_mm.front();
+  for (const Vec3d& point : points_lps_mm) {
+    for (int a = 0; a < 3; ++a) {
+      low_lps_mm[a] = std::min(low_lps_mm[a], point[a]);
+      high_lps_mm[a] = std::max(high_lps_mm[a], point[a]);
+    }
+  }
+}
+
+MeshContents mesh_contents(const std::string& path) {
+  const std::string content = read_mesh_content(path);
+  MeshContents contents;
+  const TriangleMesh mesh = parse_mesh(path, content, nullptr);
+  contents.format = mesh_extension(path).substr(1);
+  contents.points = std::int64_t(mesh.vertices_lps_mm.size());
+  contents.cells = std::int64_t(mesh.triangles.size());
+  contents.take_box(mesh.vertices_lps_mm);
+  if (contents.format == "vtk") add_vtk_contents(path, content, contents);
+  return contents;
 }
 
 LineNetwork read_network(const std::string& path) {

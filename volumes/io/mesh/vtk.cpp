@@ -38,6 +38,14 @@ class VtkReader {
     return std::move(m_mesh);
   }
 
+  /// After read().
+  std::int64_t cell_count() const {
+    std::size_t count = m_polygons.size() + m_strips.size() + m_cells.size();
+    for (const Cells& cells : m_pointlike) count += cells.size();
+    return std::int64_t(count);
+  }
+  const std::vector<MeshArray>& arrays() const { return m_arrays; }
+
  private:
   void read_head() {
     const auto starts = [&](const char* text) {
@@ -206,6 +214,7 @@ class VtkReader {
       const std::int64_t tuples = m_words.count(m_words.next_on_line());
       const VtkType type = m_numbers.read_type();
       m_words.skip_line();
+      m_arrays.push_back({name, int(components), m_is_cell_data});
       m_numbers.skip(std::size_t(components) * std::size_t(tuples), type);
     }
   }
@@ -219,8 +228,8 @@ class VtkReader {
     const bool is_known = known != kComponents.end() || is_table || is_colour ||
                           name == "scalars" || name == "normals" || name == "texture_coordinates";
     if (!is_known) m_words.fail(word, "a section of VTK data");
-    m_words.next_on_line();  // its name
-    if (name == "scalars") return skip_scalars();
+    const std::string array(m_words.next_on_line());
+    if (name == "scalars") return skip_scalars(array);
     if (is_table || is_colour) {
       const std::size_t number = std::size_t(m_words.count(m_words.next_on_line()));
       m_words.skip_line();
@@ -233,15 +242,17 @@ class VtkReader {
     }
     const VtkType type = m_numbers.read_type();
     m_words.skip_line();
+    m_arrays.push_back({array, int(components), m_is_cell_data});
     if (name == "normals" && m_slots != nullptr) return read_normals(type);
     m_numbers.skip(components * m_items, type);
   }
 
-  void skip_scalars() {
+  void skip_scalars(const std::string& array) {
     const VtkType type = m_numbers.read_type();
     const std::string_view components = m_words.next_on_line();
     const std::size_t per_item = components.empty() ? 1 : std::size_t(m_words.count(components));
     m_words.skip_line();
+    m_arrays.push_back({array, int(per_item), m_is_cell_data});
     // A table is named by old writers and left out by some others.
     if (lower_case(m_content.substr(m_words.position(), 12)) == "lookup_table") m_words.skip_line();
     m_numbers.skip(per_item * m_items, type);
@@ -296,6 +307,7 @@ class VtkReader {
   Cells m_pointlike[2], m_polygons, m_strips, m_cells;
   std::vector<std::int64_t> m_types;  // of m_cells
   std::vector<CellNormal> m_cell_normals;
+  std::vector<MeshArray> m_arrays;
 };
 
 }  // namespace
@@ -303,6 +315,13 @@ class VtkReader {
 TriangleMesh read_vtk(const std::string& path, const std::string& content, MeshSlots* slots,
                       MeshLines* lines) {
   return VtkReader(path, content, slots, lines).read();
+}
+
+void add_vtk_contents(const std::string& path, const std::string& content, MeshContents& contents) {
+  VtkReader reader(path, content, nullptr, nullptr);
+  reader.read();
+  contents.cells = reader.cell_count();
+  contents.arrays = reader.arrays();
 }
 
 }  // namespace supple

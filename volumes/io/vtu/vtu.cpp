@@ -5,68 +5,12 @@
 #include <cmath>
 #include <cstring>
 
-#include <pugixml.hpp>
-
 #include "volumes/base/error.h"
-#include "volumes/io/bytes/input_file.h"
-#include "volumes/io/vtu/vtu_arrays.h"
+#include "volumes/io/vtu/vtk_xml.h"
 
 namespace supple {
 
 namespace {
-
-/// The whole file, and what is in front of appended data as XML that ends.
-struct VtuContent {
-  std::string bytes;
-  pugi::xml_document xml;
-  VtuEncoding encoding;
-};
-
-void open_content(const std::string& path, VtuContent& content) {
-  const InputFile file(path);
-  content.bytes.resize(std::size_t(file.size()));
-  file.read_at(0, &content.bytes[0], content.bytes.size());
-  VtuEncoding& encoding = content.encoding;
-  encoding.path = path;
-  const std::size_t appended = content.bytes.find("<AppendedData");
-  std::string head = content.bytes.substr(0, appended);
-  if (appended != std::string::npos) {
-    head += "</VTKFile>";
-    const std::size_t end = content.bytes.find('>', appended);
-    const std::size_t mark = content.bytes.find('_', std::min(end, content.bytes.size()));
-    if (mark == std::string::npos) {
-      throw InputError({path, "AppendedData", "no '_' before the data", "a whole file"});
-    }
-    const std::string tag = content.bytes.substr(appended, end - appended);
-    encoding.is_appended_raw = tag.find("base64") == std::string::npos;
-    encoding.appended = std::string_view(content.bytes).substr(mark + 1);
-  }
-  const pugi::xml_parse_result parsed = content.xml.load_buffer(head.data(), head.size());
-  if (!parsed) {
-    throw InputError(
-        {path, "XML",
-         std::string(parsed.description()) + " at byte " + std::to_string(parsed.offset),
-         "a VTK file of XML"});
-  }
-  const pugi::xml_node root = content.xml.child("VTKFile");
-  const std::string compressor = root.attribute("compressor").value();
-  encoding.is_compressed = !compressor.empty();
-  encoding.is_big_endian = std::string(root.attribute("byte_order").value()) == "BigEndian";
-  encoding.is_header_64 = std::string(root.attribute("header_type").value()) == "UInt64";
-  if (encoding.is_compressed && compressor != "vtkZLibDataCompressor") {
-    throw InputError({path, "compressor", compressor, "vtkZLibDataCompressor, or none"});
-  }
-}
-
-VtuArray array_of(const pugi::xml_node& node) {
-  VtuArray array;
-  array.name = node.attribute("Name").value();
-  array.type = node.attribute("type").value();
-  array.format = node.attribute("format").value();
-  array.text = node.text().get();
-  array.offset = node.attribute("offset").as_llong(-1);
-  return array;
-}
 
 std::vector<Vec3d> vectors_of(const pugi::xml_node& node, const VtuEncoding& encoding) {
   const std::vector<double> numbers = numbers_of(array_of(node), encoding);
@@ -199,17 +143,50 @@ class VtuPiece {
   const VtuEncoding& m_encoding;
 };
 
+bool is_vtk_xml(const std::string& head, const std::string& type) {
+  const std::size_t tag = head.find("<VTKFile");
+  return tag != std::string::npos && head.find('"' + type + '"', tag) != std::string::npos;
+}
+
 }  // namespace
 
 bool is_vtu(const std::string& head) {
-  const std::size_t tag = head.find("<VTKFile");
-  if (tag == std::string::npos) return false;
-  return head.find("\"UnstructuredGrid\"", tag) != std::string::npos;
+  return is_vtk_xml(head, "UnstructuredGrid");
+}
+
+bool is_vti(const std::string& head) {
+  return is_vtk_xml(head, "ImageData");
+}
+
+MeshContents vtu_contents(const std::string& path) {
+  VtkXml content;
+  open_vtk_xml(path, content);
+  MeshContents contents;
+  contents.format = "vtu";
+  std::vector<Vec3d> points;
+  const auto add_arrays = [&](const pugi::xml_node& data, bool is_of_cells) {
+    for (const pugi::xml_node& node : data.children("DataArray")) {
+      contents.arrays.push_back({node.attribute("Name").value(),
+                                 node.attribute("NumberOfComponents").as_int(1), is_of_cells});
+    }
+  };
+  const pugi::xml_node grid = content.xml.child("VTKFile").child("UnstructuredGrid");
+  for (const pugi::xml_node& piece : grid.children("Piece")) {
+    const auto of_piece = vectors_of(piece.child("Points").child("DataArray"), content.encoding);
+    points.insert(points.end(), of_piece.begin(), of_piece.end());
+    contents.cells += piece.attribute("NumberOfCells").as_llong();
+    if (!contents.arrays.empty()) continue;  // all pieces have the same
+    add_arrays(piece.child("PointData"), false);
+    add_arrays(piece.child("CellData"), true);
+  }
+  contents.points = std::int64_t(points.size());
+  contents.take_box(points);
+  return contents;
 }
 
 MovedSolid read_vtu(const std::string& path) {
-  VtuContent content;
-  open_content(path, content);
+  VtkXml content;
+  open_vtk_xml(path, content);
   MovedSolid solid;
   const pugi::xml_node grid = content.xml.child("VTKFile").child("UnstructuredGrid");
   for (const pugi::xml_node& piece : grid.children("Piece")) {

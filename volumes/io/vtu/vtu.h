@@ -10,6 +10,7 @@
 
 #include "volumes/base/vec.h"
 #include "volumes/io/format/volume_file.h"
+#include "volumes/io/mesh/mesh_contents.h"
 
 namespace supple {
 
@@ -21,6 +22,8 @@ struct MovedSolid {
 
 /// Whether the first bytes of a file are those of one.
 bool is_vtu(const std::string& head);
+/// Whether they are those of VTK's XML image data (`.vti`).
+bool is_vti(const std::string& head);
 
 /// Text, or binary data inline or appended, in base64 or raw, plain or by zlib, of either byte
 /// order. The vectors are the points' array named displacement(s), disp or u, in any case of
@@ -29,6 +32,9 @@ bool is_vtu(const std::string& head);
 /// vectors that cannot be told, cells of faces and lines alone, an index without point, numbers
 /// that are not finite.
 MovedSolid read_vtu(const std::string& path);
+
+/// Points, cells and arrays of such a file. Throws InputError for what is none.
+MeshContents vtu_contents(const std::string& path);
 
 /// The motion as a warp of resample direction on a grid: where a tetrahedron lies now, the vector
 /// back to where its content was, linear inside of it and the shortest where several lie; 0 outside
