@@ -10,6 +10,9 @@ namespace supple {
 
 namespace {
 
+/// Nodes as near to a shape as this touch it.
+constexpr double kTouchMm = 1e-6;
+
 void check_finite(const char* field, const Vec3d& vector) {
   for (int c = 0; c < 3; ++c) {
     if (std::isfinite(vector[c])) continue;
@@ -105,6 +108,7 @@ bool SpringMotion::step(const Progress* progress) {
 
 bool SpringMotion::step_on(const Progress* progress) {
   if (!m_integrator) m_integrator = make_integrator(m_params.method, m_system, progress);
+  if (!m_system.colliders.empty()) m_velocity_before = m_system.velocity_mm_s;
   m_report += m_integrator->step(m_params.step_s, progress);
   return true;
 }
@@ -119,6 +123,32 @@ bool SpringMotion::step_down(const Progress* progress) {
 ModelEnergy SpringMotion::energy() const {
   const SpringEnergy found = supple::energy(m_system);
   return {found.spring_j, found.kinetic_j, found.gravity_j};
+}
+
+std::vector<Vec3d> SpringMotion::collider_forces_n() const {
+  std::vector<Vec3d> forces_n(m_system.colliders.size(), Vec3d(0));
+  if (m_velocity_before.empty()) return forces_n;
+  std::vector<char> is_held(m_system.node_count(), 0);
+  for (const HeldNode& held : m_system.held) is_held[std::size_t(held.node)] = 1;
+  std::vector<Vec3d> force_mn;
+  forces_mn(m_system, force_mn, Damping::with);
+  for (std::size_t n = 0; n < force_mn.size(); ++n) {
+    if (is_held[n]) continue;
+    double deepest = -kTouchMm;
+    std::size_t touched = forces_n.size();
+    for (std::size_t c = 0; c < forces_n.size(); ++c) {
+      Vec3d normal(0);
+      const double depth = depth_in(m_system.colliders[c], m_system.pos_mm[n], kTouchMm, normal);
+      if (depth < deepest) continue;
+      deepest = depth;
+      touched = c;
+    }
+    if (touched == forces_n.size()) continue;
+    const Vec3d gained = m_system.velocity_mm_s[n] - m_velocity_before[n];
+    const Vec3d inertia_mn = gained * (m_system.mass_kg[n] / m_params.step_s);
+    forces_n[touched] += (force_mn[n] - inertia_mn) * kNPerMn;
+  }
+  return forces_n;
 }
 
 std::vector<Reaction> SpringMotion::reactions(const std::vector<std::vector<int>>& sets) const {

@@ -52,6 +52,11 @@ class SpringMotion {
   /// Reactions summed over the nodes of each set; nodes that are not held count 0. Means over the
   /// last step of time; at a minimum, and before the first step, those of springs at rest.
   std::vector<Reaction> reactions(const std::vector<std::vector<int>>& sets) const;
+  /// Force on each collider in N: what the nodes that touch it press and rub on it with, mean over
+  /// the last step of time. On such a node it is that of springs, damping and gravity less its mass
+  /// times its acceleration; one that touches several counts for the one it is deepest in. 0 before
+  /// the first step.
+  std::vector<Vec3d> collider_forces_n() const;
   /// Largest force that is left on a free node; of a minimisation.
   double residual_mn() const { return m_minimiser ? m_minimiser->residual_mn() : 0; }
   const SpringStepReport& report() const { return m_report; }
@@ -70,6 +75,7 @@ class SpringMotion {
   std::unique_ptr<SpringIntegrator> m_integrator;  // from the first step of a move on
   std::unique_ptr<Minimiser> m_minimiser;          // the same
   SpringStepReport m_report;                       // of all steps
+  std::vector<Vec3d> m_velocity_before;            // the last step; empty without colliders
 };
 
 }  // namespace supple

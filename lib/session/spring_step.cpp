@@ -65,6 +65,7 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
     record.residual_mn = model.motion().residual_mn();
   }
   record.reactions = model.reactions(gripped);
+  record.collider_forces_n = model.motion().collider_forces_n();
   record.links = check_links(held.body);
   held.body.links_known_valid = record.links.violated == 0;
   held.body.beyond.reset();

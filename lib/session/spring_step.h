@@ -36,7 +36,8 @@ struct SpringRecord {
   std::optional<SpringStepReport> motion;  // of all steps of a motion
   LinkCheck links;                         // of the result, under ChainMail's limits
   double milliseconds = 0;
-  std::vector<Reaction> reactions;  // of `gripped`
+  std::vector<Reaction> reactions;       // of `gripped`
+  std::vector<Vec3d> collider_forces_n;  // on the shapes in contact, LPS
 };
 
 /// Moves the body. Warns of links beyond their limits, and of a minimum that was not reached.

@@ -27,7 +27,7 @@ struct DeformOptions {
   SceneOptions scene;
   BodyOptions body;
   std::string output;
-  std::vector<std::string> grabs, bys, contacts, retractions, elements;
+  std::vector<std::string> grabs, bys, contacts, loads, retractions, elements;
   bool push = false, no_contact = false, refer = false, dry_run = false;
 };
 
@@ -57,16 +57,28 @@ Value handle_tables(const DeformOptions& options) {
   return tables;
 }
 
+/// The list of fem to which a load belongs, by the key that says how large it is.
+const char* list_of_load(const Value& load, const std::string& text) {
+  const bool is_force = load.contains("force_n"), is_pressure = load.contains("pressure_kpa");
+  if (is_force != is_pressure) return is_force ? "forces" : "pressures";
+  throw UsageError(to_line({"", "--load", "'" + text + "'", "one of force_n and pressure_kpa"}));
+}
+
+void set_loads(const std::vector<std::string>& loads, SceneOptions& given) {
+  std::map<std::string, Value> lists;
+  for (const std::string& text : loads) {
+    const Value load = table_value("--load", text);
+    lists[list_of_load(load, text)].push_back(load);
+  }
+  for (const auto& [list, tables] : lists) given.set("step.fem", list, tables, "--load");
+}
+
 /// QUANTITY=FILE of each.
 Value element_table(const std::vector<std::string>& texts) {
   Value entries = Value::table();
   for (const std::string& text : texts) {
-    const std::size_t sign = text.find('=');
-    if (sign == 0 || sign == std::string::npos || sign + 1 == text.size()) {
-      throw UsageError(to_line(
-          {"", "--elements", "'" + text + "'", "QUANTITY=FILE, such as von_mises=stress.nrrd"}));
-    }
-    entries[text.substr(0, sign)] = text.substr(sign + 1);
+    NamedFile named = named_file("--elements", text);
+    entries[named.name] = std::move(named.file);
   }
   return entries;
 }
@@ -87,6 +99,7 @@ Scene to_scene(DeformOptions& options) {
   };
   set_tables("step", "retract", "--retract", options.retractions);
   set_tables("step.springs", "contact", "--contact", options.contacts);
+  set_loads(options.loads, given);
   given.set("output", "state", options.output, "--output");
   if (options.refer) given.set("output", "refer", true, "--refer");
   if (!options.elements.empty()) {
@@ -283,8 +296,11 @@ Command add_deform(CLI::App& program) {
   scene.add("step.fem", option_fields(fem));
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
-                  "A shape that springs meet, as in scenes: "
-                  "{sphere = {centre = [0, 0, 0], radius = 5}, by = [0, 0, 4]}; repeatable")
+                  "A shape that springs meet, such as {sphere = {…}, by = [0, 0, 4]}")
+      ->allow_extra_args(false)
+      ->option_text("TABLE");
+  app->add_option("--load", options->loads,
+                  "Force or pressure of finite elements, as in scenes; repeatable")
       ->allow_extra_args(false)
       ->option_text("TABLE");
   app->add_option("--elements", options->elements,

@@ -9,7 +9,9 @@ std::vector<std::string> SceneOutput::all() const {
     names.insert(names.end(), list->begin(), list->end());
   }
   for (const ElementOutput& output : elements) names.push_back(output.path);
-  if (!motion.empty()) names.push_back(motion);
+  for (const std::string* table : {&forces, &motion}) {
+    if (!table->empty()) names.push_back(*table);
+  }
   return names;
 }
 
@@ -20,6 +22,7 @@ SceneOutput read_output(Table& table) {
   output.offsets = table.strings("offsets").value_or(std::vector<std::string>{});
   output.displacements = table.strings("displacements").value_or(std::vector<std::string>{});
   output.volumes = table.strings("volumes").value_or(std::vector<std::string>{});
+  output.forces = table.string("forces").value_or("");
   output.motion = table.string("motion").value_or("");
   if (auto elements = table.table("elements")) {
     for (const auto& [quantity, name] : kFemQuantities) {

@@ -23,6 +23,7 @@ struct SceneOutput {
   std::vector<std::string> displacements;  // material-direction warps
   std::vector<std::string> volumes;        // resampled volumes
   std::vector<ElementOutput> elements;     // of the last step of finite elements
+  std::string forces;                      // a table (.csv) of forces on handles and shapes by step
   std::string motion;                      // a table (.csv) of the last step with a motion in time
 
   std::vector<std::string> all() const;

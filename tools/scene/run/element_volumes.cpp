@@ -1,9 +1,12 @@
 #include "tools/scene/run/element_volumes.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <stdexcept>
 #include <vector>
 
+#include "volumes/base/error.h"
 #include "volumes/base/text_file.h"
 #include "volumes/io/volume_writer.h"
 
@@ -19,6 +22,41 @@ const ElementValues& last_values(const Session& session, FemQuantity quantity) {
     }
   }
   throw std::logic_error("no step was asked for these values");
+}
+
+/// Ways of handles in LPS mm so far, by their names: the sum over all steps that moved them.
+class HandleWays {
+ public:
+  explicit HandleWays(const Geometry& geometry) : m_axes(geometry.direction()) {}
+
+  /// `step`: its number, from 1.
+  void add(const StepRecord& record, int step) {
+    for (const HandleReaction& held : record.reactions) {
+      if (held.step != step || std::size_t(held.handle) > record.drags.size()) continue;
+      const Vec3d by = way_done(record, record.drags[std::size_t(held.handle - 1)].by_mm);
+      Vec3d& way = m_ways.emplace(held.name, Vec3d(0)).first->second;
+      way += m_axes[0] * by.x + m_axes[1] * by.y + m_axes[2] * by.z;
+    }
+  }
+  Vec3d of(const std::string& name) const {
+    const auto found = m_ways.find(name);
+    return found == m_ways.end() ? Vec3d(0) : found->second;
+  }
+
+ private:
+  std::array<Vec3d, 3> m_axes;
+  std::map<std::string, Vec3d> m_ways;
+};
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string csv_vector(const Vec3d& v) {
+  return "," + number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z);
 }
 
 }  // namespace
@@ -57,6 +95,31 @@ void write_element_volume(const std::string& path, const Session& session, FemQu
                           Progress* progress) {
   const ElementValues& values = last_values(session, quantity);
   write_element_values(path, session.geometry(), values.elements, values.of_element, progress);
+}
+
+void write_force_table(const std::string& path, const Session& session) {
+  std::string text =
+      "step,holder,name,way_x_mm,way_y_mm,way_z_mm,force_x_n,force_y_n,force_z_n,moment_x_nmm,"
+      "moment_y_nmm,moment_z_nmm\n";
+  HandleWays ways(session.geometry());
+  int step = 0;
+  for (const StepRecord& record : session.records()) {
+    const std::string number = std::to_string(++step) + ",";
+    ways.add(record, step);
+    for (const HandleReaction& held : record.reactions) {
+      text += number + "handle " + std::to_string(held.step) + "_" + std::to_string(held.handle) +
+              "," + csv_field(held.name) + csv_vector(ways.of(held.name)) +
+              csv_vector(held.reaction.force_n) +
+              (held.moment_nmm ? csv_vector(*held.moment_nmm) : ",,,") + "\n";
+    }
+    const std::vector<Vec3d>& shapes = record.sprung.collider_forces_n;
+    for (std::size_t n = 0; record.springs && n < shapes.size(); ++n) {
+      text += number + "contact " + std::to_string(n + 1) + ",," +
+              csv_vector(record.springs->motion.colliders[n].by_mm).substr(1) +
+              csv_vector(shapes[n]) + ",,,\n";
+    }
+  }
+  replace_text_file(path, text);
 }
 
 void write_motion_table(const std::string& path, const Session& session) {

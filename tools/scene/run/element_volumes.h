@@ -1,4 +1,5 @@
-// Volumes of stress, strain and energy density of finite elements, and tables of their motion.
+// Volumes of stress, strain and energy density of finite elements, and tables of their motion and
+// of forces.
 #pragma once
 
 #include <string>
@@ -22,5 +23,9 @@ void write_element_values(const std::string& path, const Geometry& geometry,
 
 /// Of the last step with a motion in time (motion_csv). Throws SystemError.
 void write_motion_table(const std::string& path, const Session& session);
+
+/// A row for each handle that is held at the end of a step, and for each shape in contact, with the
+/// force with which the body pulls at or presses on it. Throws SystemError.
+void write_force_table(const std::string& path, const Session& session);
 
 }  // namespace supple::tools

@@ -299,6 +299,9 @@ Value to_value(const StepRecord& record) {
                   {"settings", settings_value(*record.springs)},
                   {"springs", to_value(record.sprung)}};
     json["reactions"] = to_value(record.reactions);
+    for (const Vec3d& force_n : record.sprung.collider_forces_n) {
+      json["contact_forces_n"].push_back(force_n);
+    }
     return json;
   }
   if (record.equilibrium.modes) {

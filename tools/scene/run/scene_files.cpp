@@ -16,6 +16,7 @@ void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPl
   for (const ElementOutput& elements : output.elements) {
     plan.add_dense(path_in(folder, elements.path));
   }
+  if (!output.forces.empty()) plan.add_table(path_in(folder, output.forces));
   if (!output.motion.empty()) plan.add_table(path_in(folder, output.motion));
 }
 

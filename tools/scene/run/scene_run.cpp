@@ -100,7 +100,8 @@ SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_rea
                    Progress& progress)
     : m_scene(scene),
       m_folder(folder),
-      m_tells_reactions(tells_reactions || !scene.output.motion.empty()),
+      m_tells_reactions(tells_reactions || !scene.output.motion.empty() ||
+                        !scene.output.forces.empty()),
       m_progress(progress) {
   for (const std::string& line : scene.warnings) progress.warn(line);
   const auto begin = std::chrono::steady_clock::now();
@@ -246,6 +247,7 @@ void SceneRun::write_outputs(int last, int frame) {
     if (!is_due(wanted.path)) continue;
     write_element_volume(file_of(wanted.path), *m_session, wanted.quantity, &m_progress);
   }
+  if (is_due(output.forces)) write_force_table(path_of(output.forces), *m_session);
   if (is_due(output.motion)) write_motion_table(path_of(output.motion), *m_session);
 }
 
