@@ -116,6 +116,7 @@ Command add_convert(CLI::App& program) {
       "it the volume's densities are written, too");
   add_field_options(*app, fields(options->read));
   add_field_options(*app, fields(options->write));
+  add_field_options(*app, fog_fields(options->write));
   add_field_options(*app, vector_fields(options->write));
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_convert(*options, global, console);

@@ -19,6 +19,7 @@ struct ResampleOptions {
   std::string input, output, path;
   GridChoice grid;
   std::optional<Vec3d> spacing_mm;
+  std::optional<double> velocity_s;
   ResampleKernel interpolation = ResampleKernel::linear;
   ReadOptions read;
   WriteOptions write;
@@ -30,6 +31,10 @@ Fields voxel_fields(ResampleOptions& options) {
       Field("interpolation", options.interpolation, {"linear", "nearest", "cubic"},
             "Densities between voxels; nearest (of a volume) is for labels, cubic an interpolating "
             "B-spline"),
+      Field("velocity", options.velocity_s,
+            "Of a state, OpenVDB: a grid v for motion blur, as if it had moved within this time")
+          .unit("s")
+          .positive(),
   };
 }
 
@@ -41,8 +46,10 @@ int resample_volume(const ResampleOptions& options, const GlobalOptions& global,
                               : "resample: found a volume alone, expected --spacing or --grid, or "
                                 "a state");
   }
-  if (!options.path.empty()) {
-    throw UsageError("resample: found --path for a volume, expected a state");
+  if (!options.path.empty() || options.velocity_s) {
+    throw UsageError(std::string("resample: found ") +
+                     (options.path.empty() ? "--velocity" : "--path") +
+                     " for a volume, expected a state");
   }
   OutputPlan plan(global.force);
   plan.protect(options.input, options.read);
@@ -82,9 +89,9 @@ int run_resample(const ResampleOptions& options, const GlobalOptions& global, Co
   const State state = read_state(options.input, &console);
   const Pose deformed = invert_and_send_along(state, functions, console);
   const Geometry grid = choose_grid(state.geometry, options.grid);
-  const std::int64_t lost =
-      write_resampled(options.output, state, deformed, grid, options.write, &console,
-                      options.interpolation == ResampleKernel::cubic);
+  const std::int64_t lost = write_resampled(
+      options.output, state, deformed, grid, options.write, &console,
+      options.interpolation == ResampleKernel::cubic, options.velocity_s.value_or(0));
   if (global.json) {
     print_dense_report(options.output, grid, lost, deformed.offsets.certificate);
   }
@@ -114,6 +121,7 @@ Command add_resample(CLI::App& program) {
     if (field.name() != "spacing") add_field_options(*app, {field});
   }
   add_field_options(*app, fields(options->write));
+  add_field_options(*app, fog_fields(options->write));
   add_field_options(*app, fields(options->grid));
   add_field_options(*app, voxel_fields(*options));
   return {app, [options](const GlobalOptions& global, Console& console) {

@@ -37,6 +37,15 @@ std::int64_t warn_of_lost_material(const std::string& path, const State& state, 
   return lost;
 }
 
+/// What is at x has come from x + o(x).
+VectorSliceSource velocities(const VectorSliceSource& offsets_mm, const Geometry& grid, double s) {
+  const std::size_t count = std::size_t(grid.dims().x) * grid.dims().y;
+  return [=](int k, Vec3f* out) {
+    offsets_mm(k, out);
+    for (std::size_t n = 0; n < count; ++n) out[n] *= float(-1 / s);
+  };
+}
+
 }  // namespace
 
 std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
@@ -83,7 +92,7 @@ std::int64_t write_state_warp(const WarpOutput& output, const State& state, cons
 
 std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,
                              const Geometry& grid, const WriteOptions& options, Progress* progress,
-                             bool is_cubic) {
+                             bool is_cubic, double velocity_s) {
   const std::int64_t lost = warn_of_lost_material(path, state, pose, grid, progress);
   ValueType type = ValueType::float32;
   find_numpy_type(state.source_type, type);
@@ -93,7 +102,13 @@ std::int64_t write_resampled(const std::string& path, const State& state, const 
   const float fill = state.density.background();
   const auto slices = is_cubic ? dense_resampled(pose.offsets, between, grid, fill)
                                : dense_resampled(pose.offsets, state.density, grid, fill);
-  warn_of_all(path, write_volume(path, grid, type, slices, progress, options), progress);
+  WriteOptions with_velocity = options;
+  if (velocity_s > 0) {
+    with_velocity.velocity = velocities(dense_offsets(pose.offsets, state.density.bricks(), grid,
+                                                      VoidMode::nearest, &state.elements),
+                                        grid, velocity_s);
+  }
+  warn_of_all(path, write_volume(path, grid, type, slices, progress, with_velocity), progress);
   return lost;
 }
 

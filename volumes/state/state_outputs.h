@@ -28,11 +28,12 @@ struct WarpOutput {
   WriteOptions options = {};
 };
 /// Both warn of material that leaves the grid and return how many voxels of it do. A note tells the
-/// uses of a warp: how far neighbouring vectors differ, and how many pairs fold.
+/// uses of a warp: how far neighbouring vectors differ, and how many pairs fold. `velocity_s`,
+/// unless 0: the seconds in which the displacement is gone through, for WriteOptions::velocity.
 std::int64_t write_state_warp(const WarpOutput& output, const State& state, const Pose& pose,
                               Progress* progress);
 std::int64_t write_resampled(const std::string& path, const State& state, const Pose& pose,
                              const Geometry& grid, const WriteOptions& options, Progress* progress,
-                             bool is_cubic = false);
+                             bool is_cubic = false, double velocity_s = 0);
 
 }  // namespace supple

@@ -19,6 +19,16 @@ ConvertPlan plan_for(const VolumeOpener& open, const VolumeHeader& header,
 
 }  // namespace
 
+Fields fog_fields(WriteOptions& options) {
+  return {
+      Field("range", options.range, "OpenVDB: a fog for renderers, 0 to 1 from LO to HI")
+          .shown_as("LO,HI"),
+      Field("scale", options.scale, "OpenVDB: units of the scene per mm; 0.001 makes metres")
+          .range(1e-6, 1e6),
+      Field("half", options.half, "OpenVDB: floats of 16 bits"),
+  };
+}
+
 void write_converted(const VolumeOpener& open, const std::string& output,
                      const WriteOptions& options, Progress& progress) {
   const std::unique_ptr<VolumeFile> file = open();

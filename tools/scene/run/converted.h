@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/format/volume_file.h"
@@ -13,6 +14,9 @@ namespace supple::tools {
 
 /// Opens the volume, filters included, at its first slice.
 using VolumeOpener = std::function<std::unique_ptr<VolumeFile>()>;
+
+/// A density as renderers take it.
+Fields fog_fields(WriteOptions& options);
 
 /// Warnings of the input and the output go to the progress. `open` is called a second time where
 /// integers with slope and intercept meet a format without: the new type depends on how far they

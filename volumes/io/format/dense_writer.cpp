@@ -61,6 +61,24 @@ const OutputFormat& format_of(const std::string& path) {
   throw InputError({path, "extension", found.empty() ? "none" : found, all_extensions()});
 }
 
+/// Options that OpenVDB alone has.
+void require_vdb_options(const std::string& path, const OutputFormat& format,
+                         const DenseImage& image, const WriteOptions& options) {
+  const bool is_vdb = format.create == create_vdb;
+  const auto require = [&](const char* name, bool is_given, bool is_allowed, const char* expected) {
+    if (is_given && !is_allowed) throw InputError({path, name, format.extension, expected});
+  };
+  require("scale", options.scale != 1, is_vdb, "OpenVDB (.vdb)");
+  require("half", options.half, is_vdb, "OpenVDB (.vdb)");
+  require("velocity", bool(options.velocity), is_vdb, "OpenVDB (.vdb)");
+  if (!options.range) return;
+  require("range", true, is_vdb && image.components == 1, "densities in OpenVDB (.vdb)");
+  if (options.range->first < options.range->second) return;
+  throw InputError({path, "range",
+                    number_text(options.range->first) + "," + number_text(options.range->second),
+                    "the smaller one first"});
+}
+
 std::string raw_path_of(const std::string& path, const OutputFormat& format) {
   if (!format.is_detached) return "";
   return std::filesystem::path(path).replace_extension(".raw").string();
@@ -77,6 +95,7 @@ std::unique_ptr<DenseWriter> create_dense(const std::string& path, const DenseIm
   if (options.ras_vectors && std::string(format.extension).compare(0, 4, ".nii") != 0) {
     throw InputError({path, "intent", format.extension, "a NIfTI warp"});
   }
+  require_vdb_options(path, format, image, options);
   return format.create(path, raw_path_of(path, format), image, options);
 }
 

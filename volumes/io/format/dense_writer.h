@@ -2,7 +2,9 @@
 // by the extension. All write under temporary names and rename at the end.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +32,14 @@ struct DenseImage {
 struct WriteOptions {
   bool compress = false;     // NRRD gzip, MetaImage zlib, TIFF deflate, HDF5 deflate
   bool ras_vectors = false;  // NIfTI: intent 1006 with vectors in RAS instead of 1007 in LPS
+  /// OpenVDB, a fog for renderers: these densities become 0 and 1, what is beyond is clamped, the
+  /// background is 0, and a left-handed grid is stored from its other end.
+  std::optional<NumberPair> range = {};
+  double scale = 1;   // OpenVDB: units of the scene per mm
+  bool half = false;  // OpenVDB: floats of 16 bits
+  /// OpenVDB: mm/s of the voxels of a slice, for a grid "v" beside the density, where that is not
+  /// 0.
+  std::function<void(int k, Vec3f* out)> velocity = {};
 };
 /// How values are stored.
 Fields fields(WriteOptions& options);

@@ -3,8 +3,12 @@
 // voxel that differs from it is active, so that values come back to the bit. The dims, the value
 // type and, where OpenVDB refuses it, the affine are metadata; a trailer seals the file.
 //
+// Renderers want a fog: densities 0 to 1 on a background of 0 (WriteOptions::range), no mirrored
+// grid, and the velocity of what they see in a grid "v".
+//
 // OpenVDB programs expect floats: numbers that no float holds are rounded and counted.
 // Cost: the bricks that are not uniform, 4 or 12 bytes per voxel, and a slab of eight slices.
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <optional>
@@ -25,13 +29,21 @@ class VdbWriter : public DenseWriter {
  public:
   using Value = typename Grid::ValueType;
   using Leaf = typename Grid::TreeType::LeafNodeType;
+  using VelocityLeaf = openvdb::Vec3SGrid::TreeType::LeafNodeType;
 
-  VdbWriter(const std::string& path, const DenseImage& image) : m_file(path), m_image(image) {}
+  VdbWriter(const std::string& path, const DenseImage& image, const WriteOptions& options)
+      : m_file(path),
+        m_image(image),
+        m_options(options),
+        m_is_flipped(options.range && image.geometry.determinant() < 0) {
+    if (m_is_flipped) m_image.geometry = flipped(image.geometry);
+  }
 
   void write_slice(const void* values) override {
     m_slab.resize(slice_values() * kBrickDim);
     m_numbers.resize(slice_values() * m_image.components);
     to_floats(static_cast<const char*>(values), &m_slab[slice_values() * m_depth]);
+    if constexpr (std::is_same_v<Value, float>) finish_fog();
     ++m_depth;
     ++m_next_k;
     if (m_depth == kBrickDim || m_next_k == m_image.geometry.dims().z) flush_slab();
@@ -51,7 +63,9 @@ class VdbWriter : public DenseWriter {
   }
 
   void commit() override {
-    write_vdb_stream(m_file, {{make_grid(), nullptr}}, make_metadata());
+    std::vector<OutgoingGrid> grids = {{make_grid(), nullptr}};
+    if (m_options.velocity) grids.push_back({make_velocity(), nullptr});
+    write_vdb_stream(m_file, grids, make_metadata());
     seal_vdb(m_file.path(), VdbKind::volume);
     m_file.commit();
   }
@@ -93,6 +107,39 @@ class VdbWriter : public DenseWriter {
     }
   }
 
+  /// The grid counted from the other end of i.
+  static Geometry flipped(const Geometry& geometry) {
+    const auto& axes = geometry.axes_mm();
+    return {geometry.dims(),
+            geometry.origin_lps_mm() + axes[0] * double(geometry.dims().x - 1),
+            {-axes[0], axes[1], axes[2]}};
+  }
+
+  template <class T>
+  void flip_rows(T* slice) const {
+    const Vec3i& dims = m_image.geometry.dims();
+    for (int j = 0; m_is_flipped && j < dims.y; ++j) {
+      std::reverse(slice + std::size_t(j) * dims.x, slice + std::size_t(j + 1) * dims.x);
+    }
+  }
+
+  /// The slice just read as 0 to 1, and its velocities.
+  void finish_fog() {
+    float* const slice = &m_slab[slice_values() * m_depth];
+    if (m_options.range) {
+      const double lo = m_options.range->first, width = m_options.range->second - lo;
+      for (std::size_t n = 0; n < slice_values(); ++n) {
+        const double part = (slice[n] - lo) / width;
+        slice[n] = part > 0 ? float(std::min(part, 1.0)) : 0.0f;  // NaN is 0, too
+      }
+    }
+    flip_rows(slice);
+    if (!m_options.velocity) return;
+    m_velocities.resize(slice_values() * kBrickDim);
+    m_options.velocity(m_next_k, &m_velocities[slice_values() * m_depth]);
+    flip_rows(&m_velocities[slice_values() * m_depth]);
+  }
+
   static bool same(const Value& a, const Value& b) {
     return std::memcmp(&a, &b, sizeof(Value)) == 0;
   }
@@ -126,9 +173,44 @@ class VdbWriter : public DenseWriter {
   void take_brick(const Vec3i& origin) {
     const Vec3i& dims = m_image.geometry.dims();
     const Value* first = &m_slab[std::size_t(origin.y) * dims.x + origin.x];
+    if constexpr (std::is_same_v<Value, float>) take_velocities(origin, first);
     take_values(origin, [&](int i, int j, int k) -> const Value& {
       return first[(std::size_t(k) * dims.y + j) * dims.x + i];
     });
+  }
+
+  /// Velocities in units of the scene per second, where there is density.
+  void take_velocities(const Vec3i& origin, const float* density) {
+    if (!m_options.velocity) return;
+    const Vec3i& dims = m_image.geometry.dims();
+    const Vec3f* first = &m_velocities[std::size_t(origin.y) * dims.x + origin.x];
+    auto leaf = std::make_unique<VelocityLeaf>(to_coord(origin), openvdb::Vec3f(0));
+    for_each_voxel(origin, [&](openvdb::Index offset, int i, int j, int k) {
+      const std::size_t n = (std::size_t(k) * dims.y + j) * dims.x + i;
+      if (density[n] == 0) return;
+      const Vec3f v = first[n] * float(m_options.scale);
+      leaf->setValueOn(offset, openvdb::Vec3f(v.x, v.y, v.z));
+    });
+    if (!leaf->isEmpty()) m_velocity_leaves.push_back(std::move(leaf));
+  }
+
+  openvdb::GridBase::Ptr make_velocity() {
+    auto grid = supple::make_grid<openvdb::Vec3SGrid>(openvdb::Vec3f(0));
+    for (auto& leaf : m_velocity_leaves) grid->tree().addLeaf(leaf.release());
+    grid->setName("v");
+    grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+    attach_affine(*grid, scene_geometry());
+    grid->setSaveFloatAsHalf(m_options.half);
+    return grid;
+  }
+
+  /// In units of the scene.
+  Geometry scene_geometry() const {
+    const double scale = m_options.scale;
+    const auto& axes = m_image.geometry.axes_mm();
+    return {m_image.geometry.dims(),
+            m_image.geometry.origin_lps_mm() * scale,
+            {axes[0] * scale, axes[1] * scale, axes[2] * scale}};
   }
 
   void take_vectors(const VectorBricks& vectors, const Vec3i& origin) {
@@ -176,6 +258,7 @@ class VdbWriter : public DenseWriter {
   }
 
   Value background() const {
+    if (m_options.range) return Value(0);
     std::map<Value, std::size_t, LessBits> counts;
     for (const Uniform& row : m_uniform) counts[row.value] += std::size_t(row.count);
     Value commonest(0);
@@ -215,8 +298,11 @@ class VdbWriter : public DenseWriter {
   }
 
   void describe(Grid& grid) const {
-    attach_affine(grid, m_image.geometry);
-    grid.insertMeta("units", openvdb::StringMetadata("mm"));
+    attach_affine(grid, scene_geometry());
+    grid.setSaveFloatAsHalf(m_options.half);
+    const bool is_mm = m_options.scale == 1;
+    grid.insertMeta("units", openvdb::StringMetadata(
+                                 is_mm ? "mm" : "1/" + number_text(m_options.scale) + " mm"));
     grid.insertMeta("frame", openvdb::StringMetadata("LPS"));
     if (m_image.components == 1) {
       grid.setName("density");
@@ -236,14 +322,18 @@ class VdbWriter : public DenseWriter {
     insert("format", "volume 1");
     insert("geometry", geometry_to_json(m_image.geometry));
     const bool scaled = m_image.slope != 1 || m_image.intercept != 0;
-    insert("type", numpy_name(scaled || m_rounded > 0 ? ValueType::float32 : m_image.type));
+    insert("type", numpy_name(scaled || m_rounded > 0 || m_options.range || m_options.half
+                                  ? ValueType::float32
+                                  : m_image.type));
     if (!m_image.direction.empty()) insert("direction", m_image.direction);
     if (!m_image.certificate.empty()) insert("certificate", m_image.certificate);
     return metadata;
   }
 
   AtomicFile m_file;
-  const DenseImage m_image;
+  DenseImage m_image;
+  const WriteOptions m_options;
+  const bool m_is_flipped;
   std::vector<Value> m_slab;
   std::vector<double> m_numbers;
   int m_depth = 0;   // slices in the slab
@@ -251,14 +341,18 @@ class VdbWriter : public DenseWriter {
   std::int64_t m_rounded = 0;
   std::vector<Uniform> m_uniform;
   std::vector<std::unique_ptr<Leaf>> m_leaves;
+  std::vector<Vec3f> m_velocities;  // of the slab
+  std::vector<std::unique_ptr<VelocityLeaf>> m_velocity_leaves;
 };
 
 }  // namespace
 
 std::unique_ptr<DenseWriter> create_vdb(const std::string& path, const std::string&,
-                                        const DenseImage& image, const WriteOptions&) {
-  if (image.components == 1) return std::make_unique<VdbWriter<openvdb::FloatGrid>>(path, image);
-  return std::make_unique<VdbWriter<openvdb::Vec3SGrid>>(path, image);
+                                        const DenseImage& image, const WriteOptions& options) {
+  if (image.components == 1) {
+    return std::make_unique<VdbWriter<openvdb::FloatGrid>>(path, image, options);
+  }
+  return std::make_unique<VdbWriter<openvdb::Vec3SGrid>>(path, image, options);
 }
 
 }  // namespace supple
