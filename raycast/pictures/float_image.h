@@ -5,6 +5,7 @@
 // linear ones, so that viewers show the same picture.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -50,11 +51,22 @@ FloatImage to_float(const Image& image);
 /// Straight 16 bits; otherwise as write_png, not committed.
 void write_png16(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
 
+/// A matrix that a row vector is multiplied with from the left, row by row.
+using RowMatrix = std::array<double, 16>;
+
+/// Attributes of an EXR file, and how it stores its floats.
+struct ExrFacts {
+  std::string comment;            // attribute `comments`
+  bool half = false;              // 16 bits, but for Z and id
+  std::vector<RowMatrix> camera;  // worldToCamera and worldToNDC, of LPS mm; empty: none
+  double frames_per_second = 0;   // 0: none
+};
+
 /// Floats, compressed without loss: R, G, B (linear, premultiplied), A unless the picture is
 /// opaque, and of the other channels Z, N.X, N.Y, N.Z, offset, forward.u, forward.v, backward.u,
-/// backward.v and id; where there is none Z is infinite and the others 0. `comment` is the
-/// attribute `comments`. Not committed. Throws SystemError.
-void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
+/// backward.v and id; where there is none Z is infinite and the others 0. Not committed. Throws
+/// SystemError.
+void write_exr(const AtomicFile& target, const FloatImage& picture, const ExrFacts& facts);
 
 /// Pictures from left to right, top edges aligned, transparent (opaque ones: on black) between.
 FloatImage side_by_side(const FloatImage& left, const FloatImage& right);

@@ -36,8 +36,8 @@ void draw_overlay(FloatImage& picture, const Overlay& overlay) {
   pictures_plugin().draw_overlay(picture, overlay);
 }
 
-void write_exr(const AtomicFile& target, const FloatImage& picture, const std::string& comment) {
-  pictures_plugin().write_exr(target, picture, comment);
+void write_exr(const AtomicFile& target, const FloatImage& picture, const ExrFacts& facts) {
+  pictures_plugin().write_exr(target, picture, facts);
 }
 
 }  // namespace supple

@@ -18,16 +18,15 @@ ColourTable offset_colours();
 struct PicturesPlugin {
   static constexpr PluginName kName{"supple_pictures.so", "supple_pictures_plugin",
                                     "compares pictures, draws legends and words, and writes EXR"};
-  static constexpr std::array<std::size_t, 5> kSizes{sizeof(Image), sizeof(FloatImage),
-                                                     sizeof(Comparison), sizeof(AtomicFile),
-                                                     sizeof(OverlayShape)};
+  static constexpr std::array<std::size_t, 6> kSizes{sizeof(Image),        sizeof(FloatImage),
+                                                     sizeof(Comparison),   sizeof(AtomicFile),
+                                                     sizeof(OverlayShape), sizeof(ExrFacts)};
 
-  std::array<std::size_t, 5> sizes;
+  std::array<std::size_t, 6> sizes;
   Comparison (*compare)(const Image& a, const Image& b, bool foreground_only);
   Image (*difference_image)(const Image& a, const Image& b);
   ColourTable (*offset_colours)();
-  void (*write_exr)(const AtomicFile& target, const FloatImage& picture,
-                    const std::string& comment);
+  void (*write_exr)(const AtomicFile& target, const FloatImage& picture, const ExrFacts& facts);
   void (*draw_overlay)(FloatImage& picture, const Overlay& overlay);
 };
 

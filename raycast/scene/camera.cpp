@@ -129,6 +129,31 @@ bool project_to_pixel(const Camera& camera, int width, int height, const Vec3d& 
   return CameraRays(camera, width, height).pixel_of(world_mm, px, py);
 }
 
+std::vector<std::array<double, 16>> camera_matrices(const Camera& camera, int width, int height) {
+  const CameraFrame frame = camera_frame(camera);
+  const std::array<Vec3d, 3> axes = {frame.right, frame.up, frame.forward};
+  const double half = half_height(camera), aspect = double(width) / height;
+  const bool is_parallel = camera.projection == Projection::orthographic;
+  // Columns of camera space to those of the picture, each (x, y, z, 1) times these.
+  const double across = 1 / (2 * aspect * half), down = -1 / (2 * half);
+  const double middle = 0.5 - camera.window_shift / (2 * aspect);
+  std::array<double, 16> to_camera{}, to_picture{};
+  for (int row = 0; row < 4; ++row) {
+    const auto at = [&](std::size_t axis) {
+      return row < 3 ? axes[axis][row] : -axes[axis].dot(camera.position_lps_mm);
+    };
+    const double one = row < 3 ? 0 : 1, w = is_parallel ? one : at(2);
+    const std::size_t first = std::size_t(4 * row);
+    for (std::size_t axis = 0; axis < 3; ++axis) to_camera[first + axis] = at(axis);
+    to_camera[first + 3] = one;
+    to_picture[first] = across * at(0) + middle * w;
+    to_picture[first + 1] = down * at(1) + 0.5 * w;
+    to_picture[first + 2] = at(2);
+    to_picture[first + 3] = w;
+  }
+  return {to_camera, to_picture};
+}
+
 Camera default_camera(const Geometry& geometry, double aspect, const std::string& view_name,
                       Projection projection, double vertical_fov_degrees) {
   const NamedView& view = find_view(view_name);

@@ -3,6 +3,7 @@
 // pictures: seen from anterior, the patient's left is on the picture's right.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -65,6 +66,11 @@ class CameraRays {
   double m_half_height;      // of the picture: mm, or of a perspective one at unit distance
   double m_width, m_height;  // pixels
 };
+
+/// LPS mm as row vectors with a 1 behind to the camera's own coordinates, right, up and forward in
+/// mm, and to the picture, (0, 0) at its upper left and (1, 1) at its lower right corner, as
+/// OpenEXR has it (worldToCamera, worldToNDC). 16 numbers each, row by row.
+std::vector<std::array<double, 16>> camera_matrices(const Camera& camera, int width, int height);
 
 /// One ray of CameraRays.
 Ray camera_ray(const Camera& camera, int width, int height, double px, double py);

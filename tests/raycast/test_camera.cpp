@@ -211,5 +211,40 @@ TEST(PropertyViewVolume, EveryBoxThatARayPassesThroughIsMet) {
   EXPECT_GT(left_out, 1000);
 }
 
+TEST(PropertyCamera, MatricesLeadWhereRaysDo) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> coordinate(-40, 40);
+  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+    Camera camera = from_anterior();
+    camera.projection = projection;
+    camera.position_lps_mm = {30, -120, 25};
+    camera.up_lps = {0.2, 0.1, 1};
+    camera.height_mm = 90;
+    camera.vertical_fov_degrees = 40;
+    camera.window_shift = 0.15;
+    const auto matrices = camera_matrices(camera, 320, 200);
+    const auto through = [](const std::array<double, 16>& m, const Vec3d& p) {
+      std::array<double, 4> result{};
+      for (std::size_t c = 0; c < 4; ++c) {
+        result[c] = p.x * m[c] + p.y * m[4 + c] + p.z * m[8 + c] + m[12 + c];
+      }
+      return result;
+    };
+    for (int n = 0; n < 50; ++n) {
+      const Vec3d place(coordinate(random), coordinate(random), coordinate(random));
+      double px = 0, py = 0;
+      ASSERT_TRUE(project_to_pixel(camera, 320, 200, place, px, py));
+      const auto picture = through(matrices[1], place), local = through(matrices[0], place);
+      EXPECT_NEAR(picture[0] / picture[3], px / 320, 1e-12);
+      EXPECT_NEAR(picture[1] / picture[3], py / 200, 1e-12);
+      EXPECT_NEAR(local[2], (place - camera.position_lps_mm).dot(camera_frame(camera).forward),
+                  1e-10);
+      EXPECT_NEAR(local[0], (place - camera.position_lps_mm).dot(camera_frame(camera).right),
+                  1e-10);
+      EXPECT_EQ(local[3], 1);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace supple

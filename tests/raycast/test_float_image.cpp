@@ -87,7 +87,7 @@ TEST(UnitFloatImage, SixteenBitsAreStraightAndInFileOrder) {
 
 TEST(UnitFloatImage, ExrHoldsLinearColoursAndNamedChannels) {
   const AtomicFile target(test::output_path("raycast/picture.exr"));
-  write_exr(target, two_pixels(), "{\"step\":0.5}");
+  write_exr(target, two_pixels(), {"{\"step\":0.5}"});
   Imf::InputFile file(target.path().c_str());
   EXPECT_EQ(Imf::comments(file.header()), "{\"step\":0.5}");
   std::vector<std::string> names;
@@ -111,10 +111,38 @@ TEST(UnitFloatImage, AnOpaqueExrHasNoAlphaAndAPlainOneNoDepth) {
   const AtomicFile target(test::output_path("raycast/opaque.exr"));
   FloatImage picture(3, 2);
   picture.has_alpha = false;
-  write_exr(target, picture, "");
+  write_exr(target, picture, {});
   Imf::InputFile file(target.path().c_str());
   EXPECT_EQ(file.header().channels().findChannel("A"), nullptr);
   EXPECT_EQ(file.header().channels().findChannel("Z"), nullptr);
+}
+
+TEST(UnitFloatImage, AnExrSaysItsCameraAndSpeedAndStoresHalfFloatsWhereAsked) {
+  const AtomicFile target(test::output_path("raycast/half.exr"));
+  ExrFacts facts;
+  facts.half = true;
+  facts.camera.resize(2);
+  for (std::size_t n = 0; n < 16; ++n) {
+    facts.camera[0][n] = double(n);
+    facts.camera[1][n] = -double(n);
+  }
+  facts.frames_per_second = 23.976;
+  write_exr(target, two_pixels(), facts);
+  Imf::InputFile file(target.path().c_str());
+  const auto type_of = [&](const char* name) {
+    return file.header().channels().findChannel(name)->type;
+  };
+  for (const char* name : {"R", "G", "B", "A", "N.X", "offset"}) {
+    EXPECT_EQ(type_of(name), Imf::HALF) << name;
+  }
+  EXPECT_EQ(type_of("Z"), Imf::FLOAT) << "depths of a metre in mm need more";
+  EXPECT_NEAR(read_channel(file, "R", 0, 0), 0.5 * 0.21404, 1e-4);
+  EXPECT_EQ(read_channel(file, "Z", 0, 0), 123.5f);
+  EXPECT_EQ(read_channel(file, "N.Y", 0, 0), -1);
+  EXPECT_EQ(Imf::worldToCamera(file.header())[1][2], 6);
+  EXPECT_EQ(Imf::worldToNDC(file.header())[3][1], -13);
+  EXPECT_EQ(Imf::framesPerSecond(file.header()).n, 24000);
+  EXPECT_EQ(Imf::framesPerSecond(file.header()).d, 1001u);
 }
 
 TEST(UnitFloatImage, SideBySideKeepsEveryChannelOfBoth) {

@@ -136,7 +136,7 @@ TEST_F(UnitPictureFiles, WhatDoesNotGoTogetherIsRefusedInOneLineAndLeavesNothing
       {"ball.nhdr", "a_%d.png", {"--turntable", "99999"}, 3, "turntable"},
       {"ball.nhdr", "a.mp4", {}, 3, "video"},
       {"ball.nhdr", "a.jpg", {}, 3, ".jpg"},
-      {"ball.nhdr", "a.exr", {"--bits", "16"}, 3, "bits"},
+      {"ball.nhdr", "a.mp4", {"--bits", "16", "--turntable", "3"}, 3, "bits"},
       {"ball.nhdr", "a.png", {"--bits", "12"}, 3, "bits"},
       {"ball.nhdr", "a.png", {"--stereo", "anaglyph", "--orthographic"}, 3, "perspective"},
       {"ball.nhdr", "a.png", {"--stereo", "crossed"}, 2, "--stereo"},

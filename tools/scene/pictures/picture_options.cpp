@@ -86,7 +86,10 @@ PictureKind picture_kind(const std::string& path) {
 
 Fields fields(PictureOptions& options) {
   return {
-      Field("bits", options.bits, "Of a PNG: 8 or 16").range(8, 16).shown_as("8|16").for_slices(),
+      Field("bits", options.bits, "Of a PNG: 8 or 16; 16 of an .exr: half floats")
+          .range(8, 16)
+          .shown_as("8|16")
+          .for_slices(),
       Field("aux", options.aux,
             "Also IMAGE_depth.png, _normal.png, _offset.png (lengths in mm with a legend); .exr: "
             "motion and id, too")
@@ -113,7 +116,7 @@ Fields fields(PictureOptions& options) {
           .otherwise(""),
       Field("swing", options.swing, "Sequence of one oscillation, the state its largest swing")
           .for_slices(),
-      Field("fps", options.frames_per_second, "Pictures a second of a video")
+      Field("fps", options.frames_per_second, "Pictures a second of a video or of .exr")
           .for_slices()
           .range(0.1, 240)
           .shown_as("F"),
@@ -134,7 +137,9 @@ void check_picture_options(const PictureOptions& options, const std::string& ima
   if (options.bits != 8 && options.bits != 16) {
     refuse("bits", std::to_string(options.bits), "8 or 16");
   }
-  if (options.bits == 16 && kind != PictureKind::png) refuse("bits", "16 of " + image, "a PNG");
+  if (options.bits == 16 && kind == PictureKind::video) {
+    refuse("bits", "16 of " + image, "a PNG or .exr");
+  }
   check_film(options, image, place);
   check_channels(options, kind, place);
   if (options.turntable > 0 && options.sequence > 0) {

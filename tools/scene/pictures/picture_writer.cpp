@@ -21,7 +21,9 @@ void PictureWriter::write(const DrawnPicture& drawn) {
   const PictureKind kind = picture_kind(m_image);
   const std::string image = m_options.is_series() ? frame_name(m_image, drawn.frame) : m_image;
   if (kind == PictureKind::exr) {
-    write_exr(m_files.add(image), drawn.picture, drawn.configuration);
+    const double fps = m_options.is_series() ? m_options.frames_per_second : 0;
+    write_exr(m_files.add(image), drawn.picture,
+              {drawn.configuration, m_options.bits == 16, drawn.camera, fps});
   } else if (m_options.bits == 16) {
     write_png16(m_files.add(image), drawn.picture, drawn.configuration);
   } else {

@@ -39,6 +39,7 @@ struct DrawnPicture {
   std::string configuration;
   ScalarRange offset_range_mm;
   Vec3d towards_camera_lps;
+  std::vector<RowMatrix> camera = {};  // ExrFacts::camera
 };
 
 /// Files the pictures of one view.

@@ -206,8 +206,12 @@ class ViewDrawing {
       m_progress.warn(m_view.image + ": nothing is to be seen in the picture" +
                       (m_options.is_series() ? ", number " + std::to_string(n) : ""));
     }
+    const Camera camera = camera_at(n);
+    const bool is_view = !m_view.slice && m_options.stereo == StereoMode::none;
     writer.write({picture, n, describe(frame_view(n), n, fraction), m_offset_range,
-                  -camera_frame(camera_at(n)).forward});
+                  -camera_frame(camera).forward,
+                  is_view ? camera_matrices(camera, picture.width, picture.height)
+                          : std::vector<RowMatrix>()});
   }
 
   /// Motion to the frames beside this one, and numbers of what is seen.
