@@ -30,6 +30,7 @@ struct FemParams {
   /// Chosen by set_accuracy(), which both tolerances follow.
   FemAccuracy accuracy = FemAccuracy::exact;
   StrainTheory strain = StrainTheory::linear;
+  ElementChoice elements;  // of models that are made for these parameters
   /// Ends when the residual, largest and rms over nodes, is at most this part of the largest nodal
   /// force (of loads, reactions included) and the reactions changed by at most
   /// `reaction_tolerance`, relative, over the last iteration.

@@ -39,11 +39,9 @@ VoxelFemModel::VoxelFemModel(const HeldBody& held, const ElasticTable& elastic, 
                              const FemParams& params, const Body* shape, int halvings,
                              Progress* progress)
     : m_held(held),
+      m_shape(shape),
       m_refined(refined(shape != nullptr ? *shape : held.body, halvings)),
-      m_model(m_refined          ? m_refined->body()
-              : shape != nullptr ? *shape
-                                 : held.body,
-              elastic, Dilatation::mean, progress),
+      m_model(VoxelFemModel::shape(), elastic, params.elements, progress),
       m_loads(std::move(loads)),
       m_params(params) {
   params.validate();
@@ -56,6 +54,11 @@ VoxelFemModel::VoxelFemModel(const HeldBody& held, const ElasticTable& elastic, 
   refine(m_loads.forces);
   refine(m_loads.face_pressures);
   refine(m_loads.inner_pressures);
+}
+
+const Body& VoxelFemModel::shape() const {
+  if (m_refined) return m_refined->body();
+  return m_shape != nullptr ? *m_shape : m_held.body;
 }
 
 std::vector<std::vector<std::int32_t>> VoxelFemModel::parts() const {
@@ -72,7 +75,10 @@ void VoxelFemModel::move(const std::vector<Handle>& handles, int, Progress* prog
   const FixedElements fixed = fix(m_held.body, m_held.anchors);
   HeldVoxels found = hold(m_held.body, handles, fixed, m_held.holds);
   m_grips = fem_grips(m_held.body, found, m_told);
-  hold_corners();
+  m_model.join_hinges(shape(), progress);
+  do {
+    hold_corners();
+  } while (m_model.part_hinges(shape(), held_bits(m_model.mesh(), m_loads.held), progress));
   m_solution = m_model.solve(m_loads, m_params, progress, m_start.get());
   m_solution.report.energy_mj -= false_energy_mj();
   found.rest.anchored.add(found.grabbed);

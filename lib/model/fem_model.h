@@ -24,7 +24,7 @@ ElasticTable material_elasticity(const MaterialTable& material);
 class VoxelFemModel final : public Model<Handle> {
  public:
   /// `shape`: elements, classes and cuts of the solid, where they are not those of the body; it
-  /// is needed no more afterwards. `loads` are all but what is held. `halvings`: of the voxels'
+  /// must outlive this. `loads` are all but what is held. `halvings`: of the voxels'
   /// edges, for smaller elements (refined_shape.h). Throws InputError as FemModel.
   VoxelFemModel(const HeldBody& held, const ElasticTable& elastic, FemLoads loads = {},
                 const FemParams& params = {}, const Body* shape = nullptr, int halvings = 0,
@@ -64,9 +64,11 @@ class VoxelFemModel final : public Model<Handle> {
 
  private:
   void hold_corners();
+  const Body& shape() const;
   double false_energy_mj() const;
 
   HeldBody m_held;
+  const Body* m_shape;  // or null
   std::optional<RefinedShape> m_refined;
   FemModel m_model;
   FemLoads m_loads;

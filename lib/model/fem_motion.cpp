@@ -30,7 +30,7 @@ void take_held(const NodalLoads& loads, std::vector<double>& values) {
 VoxelFemMotion::VoxelFemMotion(const HeldBody& held, FemMotionParams params, const Body* shape,
                                Progress* progress)
     : m_held(held),
-      m_model(shape != nullptr ? *shape : held.body, params.elastic, Dilatation::mean, progress),
+      m_model(shape != nullptr ? *shape : held.body, params.elastic, params.elements, progress),
       m_params(std::move(params)) {
   m_params.newmark.validate();
   m_params.damping.validate();

@@ -25,6 +25,7 @@ struct FemMotionParams {
   /// Treatment of pieces that nothing holds, beside others that are held. Where nothing is held at
   /// all, all move freely.
   LooseIslands loose = LooseIslands::hold;
+  ElementChoice elements = {};
 };
 
 /// Displacements and velocities of nodes, three values each, LPS, of which the elements of a body

@@ -53,7 +53,7 @@ Fields fields(RelaxParams& params) {
       Field("method", params.method, kMethodNames,
             "plain (the thesis' pass, breaks limits), jacobi, red-black or accelerated"),
       Field("tolerance", params.tolerance_voxels,
-            "End when a pass moves nothing further than this, and forces agree")
+            "End when a pass moves no further, and forces agree")
           .unit("voxels")
           .at_least(0)
           .recorded_as("tolerance_voxels"),

@@ -82,9 +82,8 @@ void warn_of_result(const FemStep& step, const FemRecord& record, Progress* prog
 void find_modes(const FemStep& step, const FemTask& task, const FemSolid& solid, FemRecord& record,
                 Progress* progress) {
   Body& body = task.held.body;
-  const FemModel model(solid.body ? *solid.body : body, solid.elastic, Dilatation::mean, progress);
   record.modes =
-      find_modes_of_body(*step.modes, step.params, model, solid.mass_density,
+      find_modes_of_body(*step.modes, step.params, solid.body ? *solid.body : body, solid,
                          anchored_elements(body, task.held.anchors, task.held.holds), progress);
   record.modes->amplitude_mm = step.modes->amplitude_mm.value_or(default_amplitude_mm(body));
   const ModesReport& report = record.modes->report;
@@ -191,6 +190,7 @@ void move_in_time(const FemStep& step, const FemTask& task, const FemSolid& soli
                          {},
                          loads_of(step, task, solid),
                          step.params.loose};
+  params.elements = step.params.elements;
   params.newmark = {motion.step_length_s(), step.params.tolerance, step.params.max_iterations};
   VoxelFemMotion model(task.held, std::move(params), solid.body ? &*solid.body : nullptr, progress);
   model.tell_of(task.gripped);
@@ -279,6 +279,7 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   Body& body = task.held.body;
   const FemSolid solid =
       fem_solid(task.held.body, task.cuts, step.rigid_young_kpa, step.rigid_poisson);
+  warn_of_locking(body, solid, step.params.elements, progress);
   FemRecord record;
   if (const auto problem = contradiction(step)) throw InputError(*problem);
   if (step.modes) {
@@ -318,8 +319,14 @@ Field accuracy_field(FemStep& step) {
 }
 
 Fields option_fields(FemStep& step) {
-  return {accuracy_field(step), Field("strain", step.params.strain, {"linear", "finite"},
-                                      "Finite elements of small turns, or of any")};
+  FemParams& params = step.params;
+  return {accuracy_field(step),
+          Field("strain", params.strain, {"linear", "finite"},
+                "Finite elements of small turns, or of any"),
+          Field("integration", params.elements.dilatation, {"mean", "full"},
+                "Strain of volume: mean, or full integration"),
+          Field("touching", params.elements.touching, {"apart", "joined"},
+                "Voxels that touch by an edge or corner alone")};
 }
 
 Fields fields(FemStep& step) {
@@ -383,6 +390,8 @@ Value settings_value(const FemStep& step) {
   auto value = fields_value(fields(copy));
   // Records of exact steps are as they were before there were others.
   if (copy.params.accuracy == FemAccuracy::exact) value.erase("accuracy");
+  if (copy.params.elements.dilatation == Dilatation::mean) value.erase("integration");
+  if (copy.params.elements.touching == Touching::apart) value.erase("touching");
   if (copy.links_beyond == LinksBeyond::project) value.erase("beyond_limits");
   if (copy.motion) {
     value["motion"] = fields_value(fields(*copy.motion));

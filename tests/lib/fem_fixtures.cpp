@@ -36,6 +36,25 @@ int piece_around(const Body& body, const Vec3i& corner, int own) {
   return piece;
 }
 
+/// All elements around a corner, unless a cut between two of them parts pieces there.
+int joined_around(const Body& body, const Vec3i& corner, int own) {
+  int all = 0;
+  bool is_parted = false;
+  for (int a = 0; a < 8; ++a) {
+    const auto voxel = [&](int bits) {
+      return corner - Vec3i(1) + Vec3i(bits >> 2 & 1, bits >> 1 & 1, bits & 1);
+    };
+    if (!body.elements.is_active(voxel(a))) continue;
+    all |= 1 << a;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int b = a ^ (4 >> axis);
+      if (!body.elements.is_active(voxel(b)) || is_joined(body, voxel(a), voxel(b))) continue;
+      is_parted = is_parted || (piece_around(body, corner, a) >> b & 1) == 0;
+    }
+  }
+  return is_parted ? piece_around(body, corner, own) : all;
+}
+
 using Strain = Eigen::MatrixXd;  // 6 x 24
 
 /// Engineering strain xx, yy, zz, xy, yz, zx of the corners' displacements.
@@ -151,7 +170,7 @@ HeldElements hold_where(const Body& body, std::function<bool(const Vec3d&)> wher
 
 Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh& mesh,
                                                 const ElasticTable& elastic,
-                                                Dilatation dilatation) {
+                                                const ElementChoice& choice) {
   using Node = std::array<int, 4>;  // lattice corner and piece
   std::map<Node, NodeIndex> node_of;
   std::map<NodeIndex, Node> seen;
@@ -164,7 +183,9 @@ Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh&
       const Corners corners = mesh.corners(element++);
       for (int c = 0; c < 8; ++c) {
         const Vec3i corner = voxel + Vec3i(c >> 2 & 1, c >> 1 & 1, c & 1);
-        const Node node{corner.x, corner.y, corner.z, piece_around(body, corner, 7 - c)};
+        const Node node{corner.x, corner.y, corner.z,
+                        choice.touching == Touching::joined ? joined_around(body, corner, 7 - c)
+                                                            : piece_around(body, corner, 7 - c)};
         EXPECT_EQ(node_of.try_emplace(node, corners[c]).first->second, corners[c]);
         EXPECT_EQ(seen.try_emplace(corners[c], node).first->second, node);
       }
@@ -173,7 +194,7 @@ Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh&
       if (found == stiffness.end()) {
         found = stiffness
                     .emplace(of, element_stiffness(body.geometry, elastic.young_kpa[of],
-                                                   elastic.poisson[of], dilatation))
+                                                   elastic.poisson[of], choice.dilatation))
                     .first;
       }
       for (int n = 0; n < 24; ++n) {

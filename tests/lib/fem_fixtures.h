@@ -34,7 +34,8 @@ HeldElements hold_where(const Body& body, std::function<bool(const Vec3d&)> wher
 /// matrices at 2^3 Gauss points (with the mean dilatation put into B), and one entry at a time.
 /// Rows are numbered as the nodes of `mesh`, which are checked to join the same corners.
 Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh& mesh,
-                                                const ElasticTable& elastic, Dilatation dilatation);
+                                                const ElasticTable& elastic,
+                                                const ElementChoice& choice);
 
 /// In kg, by 2^3 Gauss points per element.
 Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& density);

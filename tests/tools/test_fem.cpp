@@ -262,6 +262,36 @@ TEST_F(UnitFemScene, SmallerElementsStretchTheBarAlike) {
   }
 }
 
+TEST_F(UnitFemScene, ConventionsOfBoneLaboratoriesAreKeysAndOptions) {
+  // Two columns that touch along an edge; one is held, the other one drawn.
+  write_bar("bar", [](const Vec3i& v) { return (v.x < 3) == (v.y < 2) ? 100 : 0; });
+  const auto pull = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = stretch(more);
+    *(std::find(arguments.begin(), arguments.end(), "--grab") + 1) = "0,0,8:2,1,8";
+    *(std::find(arguments.begin(), arguments.end(), "--fix") + 1) = "3,2,0:5,4,0";
+    arguments.insert(arguments.end(), {"--json", "--force"});
+    const Outcome outcome = run_supple(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out);
+  };
+  const auto apart = pull({}), joined = pull({"--touching", "joined", "--integration", "full"});
+  EXPECT_FALSE(apart["settings"].contains("touching"));
+  EXPECT_FALSE(apart["settings"].contains("integration"));
+  EXPECT_EQ(joined["settings"]["touching"], "joined");
+  EXPECT_EQ(joined["settings"]["integration"], "full");
+  EXPECT_NEAR(apart["reactions"][0]["force_n"][2], 0, 1e-9);
+  EXPECT_LT(joined["reactions"][0]["force_n"][2], -1e-5);
+  EXPECT_EQ(int(apart["fem"]["nodes"]) - int(joined["fem"]["nodes"]), 10);
+  for (const char* key : {"integration", "touching"}) {
+    const Outcome refused =
+        run_supple({"run", scene(std::string(key) + " = \"half\""), "-o", m_folder / ""});
+    EXPECT_EQ(refused.exit_code, 3);
+    EXPECT_NE(refused.err.find("fem." + std::string(key) + ": found 'half', expected "),
+              std::string::npos)
+        << refused.err;
+  }
+}
+
 TEST_F(UnitFemScene, AVolumeLiesWhereItsElementsAre) {
   // A bar with a hole: bricks with gaps.
   write_bar("bar", [](const Vec3i& v) { return v.x == 2 && v.y < 3 && v.z == 4 ? 0 : 100; });

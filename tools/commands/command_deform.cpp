@@ -296,7 +296,7 @@ Command add_deform(CLI::App& program) {
   scene.add("step.fem", option_fields(fem));
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
-                  "A shape that springs meet, such as {sphere = {…}, by = [0, 0, 4]}")
+                  "A shape that springs meet, as contacts of scenes; repeatable")
       ->allow_extra_args(false)
       ->option_text("TABLE");
   app->add_option("--load", options->loads,

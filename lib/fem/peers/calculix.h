@@ -1,7 +1,7 @@
 // Equilibria of linear theory by CalculiX (program `ccx`), to set its time, memory and result
 // beside those of the own solver: the same nodes, loads and supports, and hexahedra C3D8, in which
-// the dilatation is that of each point and not the mean of the element. Its files lie in a folder
-// of their own and go when it ends. It prints seven digits.
+// the dilatation is that of each point, as with Dilatation::pointwise, and not the element's mean.
+// Its files lie in a folder of their own and go when it ends. It prints seven digits.
 #pragma once
 
 #include <cstdio>

@@ -22,11 +22,10 @@
 
 #include <array>
 
+#include "lib/fem/elastic_law.h"
 #include "volumes/base/vec.h"
 
 namespace supple {
-
-enum class Dilatation { mean, pointwise };
 
 /// Row and column 3 * corner + component; corner 4 di + 2 dj + dk of the voxel, components LPS.
 using Matrix24 = std::array<std::array<double, 24>, 24>;

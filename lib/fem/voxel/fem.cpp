@@ -1,5 +1,6 @@
 #include "lib/fem/voxel/fem.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "lib/fem/conjugate_gradients.h"
@@ -8,6 +9,7 @@
 #include "lib/fem/peers/dolfinx.h"
 #include "lib/fem/voxel/coarse_elements.h"
 #include "lib/fem/voxel/fem_results.h"
+#include "lib/fem/voxel/hinges.h"
 #include "lib/fem/voxel/loose_islands.h"
 #include "lib/fem/voxel/voxel_systems.h"
 #include "volumes/base/stopwatch.h"
@@ -17,12 +19,14 @@ namespace supple {
 
 struct FemModel::Parts {
   VoxelMaterial material;
+  TouchingRule touching;
   MeshLevels levels;
   HexOperator stiffness;
 
-  Parts(VoxelMaterial of, HexMesh mesh, Progress* progress)
+  Parts(const Body& body, VoxelMaterial of, TouchingRule rule, Progress* progress)
       : material(std::move(of)),
-        levels(std::move(mesh), progress),
+        touching(std::move(rule)),
+        levels(hex_mesh(body, touching, progress), progress),
         stiffness(levels.meshes[0], material) {}
 
   std::size_t bytes() const {
@@ -46,14 +50,39 @@ void begin_from(const NodeStart& start_mm, NodalLoads& loads) {
 
 }  // namespace
 
-FemModel::FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation,
+FemModel::FemModel(const Body& body, const ElasticTable& elastic, const ElementChoice& choice,
                    Progress* progress) {
   stage(progress, "finite elements");
-  m_parts = std::make_unique<Parts>(voxel_material(body, elastic, dilatation),
-                                    hex_mesh(body, progress), progress);
+  m_parts = std::make_unique<Parts>(body, voxel_material(body, elastic, choice.dilatation),
+                                    TouchingRule{choice.touching}, progress);
 }
 
 FemModel::~FemModel() = default;
+
+/// Those beside loose islands, which are held or refused as wholes.
+std::vector<bool> FemModel::hinged(const HeldBits& held) const {
+  if (m_parts->touching.touching == Touching::apart) return {};
+  HeldBits all_held = held;
+  const bool is_free = std::all_of(held.begin(), held.end(), [](auto bits) { return bits == 0; });
+  if (!is_free) hold_loose(true, all_held);
+  return hinged_elements(mesh(), all_held);
+}
+
+bool FemModel::part_hinges(const Body& body, HeldBits held, Progress* progress) {
+  std::vector<bool> apart = hinged(held);
+  if (apart.empty()) return false;
+  const std::vector<bool>& known = m_parts->touching.apart;
+  for (std::size_t e = 0; e < known.size(); ++e) apart[e] = apart[e] || known[e];
+  m_parts = std::make_unique<Parts>(body, m_parts->material,
+                                    TouchingRule{Touching::joined, std::move(apart)}, progress);
+  return true;
+}
+
+void FemModel::join_hinges(const Body& body, Progress* progress) {
+  if (m_parts->touching.apart.empty()) return;
+  m_parts =
+      std::make_unique<Parts>(body, m_parts->material, TouchingRule{Touching::joined}, progress);
+}
 
 const HexMesh& FemModel::mesh() const {
   return m_parts->levels.meshes[0];
@@ -128,6 +157,13 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Prog
                       std::to_string(loose.loose_islands) + " pieces of " +
                           std::to_string(loose.loose_elements) + " elements that nothing holds",
                       "every piece held so that it cannot move as a rigid body"});
+  }
+  const std::vector<bool> hanging = hinged(nodal.held);
+  if (!hanging.empty()) {
+    throw InputError({"", "touching",
+                      std::to_string(std::count(hanging.begin(), hanging.end(), true)) +
+                          " elements that hang by edges or corners and can turn there",
+                      "pieces that what they touch keeps from turning, or apart"});
   }
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
   if (params.strain == StrainTheory::linear) {

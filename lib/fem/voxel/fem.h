@@ -9,8 +9,8 @@
 //
 // Nodes lie at voxel corners, in LPS mm. A corner around which the elements fall into several
 // pieces (pieces are joined over faces whose link is not cut) has one node per piece, so that cuts
-// open and voxels that touch by an edge or corner alone are not joined. Forces are in mN inside
-// (kPa mm^2) and in N in reports.
+// open and voxels that touch by an edge or corner alone are not joined; unless Touching::joined
+// asks for it. Forces are in mN inside (kPa mm^2) and in N in reports.
 //
 // Solver: conjugate gradients in double precision, preconditioned by one geometric multigrid cycle
 // in single precision (multigrid.h). Results do not depend on the number of threads.
@@ -38,15 +38,22 @@ struct PeerProblem;
 class FemModel final : public ElasticSolid {
  public:
   /// Throws InputError: a value of `elastic` out of range, a body without elements.
-  FemModel(const Body& body, const ElasticTable& elastic, Dilatation dilatation = Dilatation::mean,
+  FemModel(const Body& body, const ElasticTable& elastic, const ElementChoice& choice = {},
            Progress* progress = nullptr);
   ~FemModel() override;
+
+  /// Parts pieces of elements that share nodes with others and can turn there without strain, with
+  /// these components of nodes held: so they are loose islands. True where there are such; the mesh
+  /// is another then. `body` is that of the model. Throws Cancelled.
+  bool part_hinges(const Body& body, HeldBits held, Progress* progress = nullptr);
+  /// Takes that back.
+  void join_hinges(const Body& body, Progress* progress = nullptr);
 
   const HexMesh& mesh() const;
   const VoxelMaterial& material() const;
 
   /// Throws InputError (a value out of range, loose islands that are refused, a solver that is not
-  /// installed), NotConverged, Error of another solver, Cancelled.
+  /// installed, hinges: see part_hinges()), NotConverged, Error of another solver, Cancelled.
   /// `start`: of the mesh's nodes, to begin from; null: rest. Finite strain begins at rest.
   FemSolution solve(const FemLoads& loads, const FemParams& params = {},
                     Progress* progress = nullptr, const NodeStart* start = nullptr) const;
@@ -73,6 +80,7 @@ class FemModel final : public ElasticSolid {
 
  private:
   struct Parts;
+  std::vector<bool> hinged(const HeldBits& held) const;
   void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   PeerProblem peer_problem() const;

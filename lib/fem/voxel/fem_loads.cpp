@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lib/fem/voxel/cell_classes.h"
+#include "lib/fem/voxel/voxel_nodes.h"
 #include "volumes/base/error.h"
 #include "volumes/base/units.h"
 #include "volumes/grid/brick_index.h"
@@ -102,24 +103,6 @@ void add_to_node(const Vec3d& force, NodeIndex node, std::vector<double>& sum) {
 
 constexpr int kAxisBits[3] = {4, 2, 1};
 
-/// Whether the element has a neighbour across a face that shares the face's nodes.
-bool is_covered(const HexMesh& mesh, const BrickIndex& index, std::int32_t block, std::int32_t e,
-                int axis, bool is_high) {
-  Vec3i cell = mesh.origin[block] + brick_local(mesh.offset[e]);
-  cell[axis] += is_high ? 1 : -1;
-  const std::int32_t there = index.find(cell);
-  if (there < 0) return false;
-  const std::int32_t other = element_at(mesh, std::size_t(there), brick_offset(cell));
-  if (other < 0) return false;
-  const Corners own = mesh.corners_in(std::size_t(block), e);
-  const Corners beside = mesh.corners_in(std::size_t(there), other);
-  for (int c = 0; c < 8; ++c) {
-    if (((c & kAxisBits[axis]) != 0) != is_high) continue;
-    if (own[c] != beside[c ^ kAxisBits[axis]]) return false;
-  }
-  return true;
-}
-
 void press_faces(const HexMesh& mesh, const PressureOnFaces& pressure, std::vector<double>& force) {
   const BrickIndex index(mesh.origin);
   const std::array<Vec3d, 3> axes = mesh.geometry.axes_mm();
@@ -129,7 +112,7 @@ void press_faces(const HexMesh& mesh, const PressureOnFaces& pressure, std::vect
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3d area = axes[(axis + 1) % 3].cross(axes[(axis + 2) % 3]) * hand;
       for (const bool is_high : {false, true}) {
-        if (is_covered(mesh, index, block, e, axis, is_high)) continue;
+        if (element_across(mesh, index, std::size_t(block), e, axis, is_high) >= 0) continue;
         const Vec3d outward = is_high ? area : -area;
         const Vec3d centre =
             (corner_position(mesh, block, mesh.offset[e], is_high ? kAxisBits[axis] : 0) +

@@ -79,7 +79,7 @@ std::size_t Coarsening::bytes() const {
          node_place.capacity();
 }
 
-HexMesh hex_mesh(const Body& body, const Progress* progress) {
+HexMesh hex_mesh(const Body& body, const TouchingRule& rule, const Progress* progress) {
   const BrickTopology& elements = body.elements;
   if (elements.active_count() == 0 || elements.active_count() > kMostElements) {
     throw InputError({"", "finite elements", std::to_string(elements.active_count()) + " voxels",
@@ -96,7 +96,7 @@ HexMesh hex_mesh(const Body& body, const Progress* progress) {
   }
   mesh.element_begin.push_back(mesh.element_count());
   poll(progress);
-  number_voxel_nodes(body, mesh, progress);
+  number_voxel_nodes(body, rule, mesh, progress);
   return mesh;
 }
 

@@ -14,6 +14,7 @@
 
 #include "lib/body/body.h"
 #include "lib/body/slot_set.h"
+#include "lib/fem/elastic_law.h"
 #include "lib/fem/voxel/node_tables.h"
 #include "volumes/base/progress.h"
 
@@ -79,9 +80,17 @@ class OwnNodes {
   std::vector<std::pair<int, std::uint32_t>> m_nodes;  // place on the lattice, corner
 };
 
-/// One element per voxel; block b is brick b of the body. Throws InputError for no elements or too
-/// many, Cancelled.
-HexMesh hex_mesh(const Body& body, const Progress* progress = nullptr);
+/// How voxels that touch by an edge or a corner alone are joined.
+struct TouchingRule {
+  Touching touching = Touching::apart;
+  std::vector<bool> apart = {};  // per element: apart even so; or empty
+};
+
+/// One element per voxel; block b is brick b of the body. Voxels that touch by an edge or a corner
+/// alone share its nodes where they are joined, except at corners where a cut parts elements.
+/// Throws InputError for no elements or too many, Cancelled.
+HexMesh hex_mesh(const Body& body, const TouchingRule& rule = {},
+                 const Progress* progress = nullptr);
 
 /// Coarse elements of the elements or nodes of a mesh. A block of the mesh lies in one coarse
 /// block, of which they are counted from the first: half the memory, unless one has more than

@@ -99,9 +99,21 @@ std::array<std::array<std::uint8_t, 8>, 256> uncut_pieces() {
 }
 const std::array<std::array<std::uint8_t, 8>, 256> kUncutPieces = uncut_pieces();
 
+/// Whether a link that is cut, from its lower voxel, has its ends in different pieces.
+bool parts_pieces(const Links& links, const Links& uncut) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const unsigned cut = uncut.lower[axis] & ~unsigned(links.lower[axis]);
+    for (int low = 0; low < 8; ++low) {
+      if ((cut >> low & 1) == 0) continue;
+      if ((piece_of(links, low) >> (low | kAxisBitOf[axis]) & 1) == 0) return true;
+    }
+  }
+  return false;
+}
+
 /// The first element of the piece that has corner `c` of the element at `place`, as 8 element +
 /// corner.
-std::uint32_t first_corner(const CornerVoxels& around, int place, int c) {
+std::uint32_t first_corner(const CornerVoxels& around, const TouchingRule& rule, int place, int c) {
   // Voxel `bits` around the corner, where the element is voxel 7 - c.
   const int lowest = place + (c >> 2 & 1) * kWideStride[0] + (c >> 1 & 1) * kWideStride[1] +
                      (c & 1) - kWideStride[0] - kWideStride[1] - 1;
@@ -112,8 +124,10 @@ std::uint32_t first_corner(const CornerVoxels& around, int place, int c) {
   unsigned present = 0;
   for (int bits = 0; bits < 8; ++bits) present |= unsigned(around.element[at(bits)] >= 0) << bits;
   unsigned piece = kUncutPieces[present][7 - c];
+  bool is_joined = rule.touching == Touching::joined;
   if (around.has_cuts) {
-    Links links = links_of(present);
+    const Links uncut = links_of(present);
+    Links links = uncut;
     for (int bits = 0; bits < 8; ++bits) {
       if ((present >> bits & 1) == 0) continue;
       for (int axis = 0; axis < 3; ++axis) {
@@ -122,6 +136,15 @@ std::uint32_t first_corner(const CornerVoxels& around, int place, int c) {
       }
     }
     piece = piece_of(links, 7 - c);
+    is_joined = is_joined && !parts_pieces(links, uncut);
+  }
+  if (is_joined) {
+    unsigned joined = present;
+    for (int bits = 0; !rule.apart.empty() && bits < 8; ++bits) {
+      const bool is_there = (present >> bits & 1) != 0;
+      if (is_there && rule.apart[std::size_t(around.element[at(bits)])]) joined &= ~(1u << bits);
+    }
+    if ((joined >> (7 - c) & 1) != 0) piece = joined;
   }
   std::uint32_t first = ~0u;
   for (int bits = 0; bits < 8; ++bits) {
@@ -149,7 +172,8 @@ std::uint32_t referred(NodeIndex reference) {
 
 }  // namespace
 
-void number_voxel_nodes(const Body& body, HexMesh& mesh, const Progress* progress) {
+void number_voxel_nodes(const Body& body, const TouchingRule& rule, HexMesh& mesh,
+                        const Progress* progress) {
   std::vector<Corners> corners(mesh.offset.size());
   mesh.node_begin.assign(mesh.block_count() + 1, 0);
   for_all_blocks(mesh, [&](std::size_t b) {
@@ -159,7 +183,7 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh, const Progress* progres
     for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
       const int place = wide_place(brick_local(mesh.offset[e]));
       for (int c = 0; c < 8; ++c) {
-        const std::uint32_t first = first_corner(around, place, c);
+        const std::uint32_t first = first_corner(around, rule, place, c);
         corners[e][c] = as_reference(first);
         if (first == 8 * std::uint32_t(e) + c) own.add(mesh, first);
       }
@@ -184,6 +208,23 @@ void number_voxel_nodes(const Body& body, HexMesh& mesh, const Progress* progres
   });
   poll(progress);
   mesh.set_corners(corners);
+}
+
+std::int32_t element_across(const HexMesh& mesh, const BrickIndex& index, std::size_t block,
+                            std::int32_t element, int axis, bool is_high) {
+  Vec3i cell = mesh.origin[block] + brick_local(mesh.offset[std::size_t(element)]);
+  cell[axis] += is_high ? 1 : -1;
+  const std::int32_t there = index.find(cell);
+  if (there < 0) return -1;
+  const std::int32_t other = element_at(mesh, std::size_t(there), brick_offset(cell));
+  if (other < 0) return -1;
+  const Corners own = mesh.corners_in(block, element);
+  const Corners beside = mesh.corners_in(std::size_t(there), other);
+  for (int c = 0; c < 8; ++c) {
+    if (((c & kAxisBitOf[axis]) != 0) != is_high) continue;
+    if (own[c] != beside[c ^ kAxisBitOf[axis]]) return -1;
+  }
+  return other;
 }
 
 }  // namespace supple

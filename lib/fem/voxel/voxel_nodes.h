@@ -9,6 +9,12 @@
 namespace supple {
 
 /// Sets the corners and fills node_begin of a mesh whose elements and blocks are those of the body.
-void number_voxel_nodes(const Body& body, HexMesh& mesh, const Progress* progress);
+void number_voxel_nodes(const Body& body, const TouchingRule& rule, HexMesh& mesh,
+                        const Progress* progress);
+
+/// The element of the voxel mesh behind a face, if it has the face's nodes; or -1. `index` is of
+/// the mesh's blocks.
+std::int32_t element_across(const HexMesh& mesh, const BrickIndex& index, std::size_t block,
+                            std::int32_t element, int axis, bool is_high);
 
 }  // namespace supple

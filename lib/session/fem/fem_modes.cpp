@@ -45,9 +45,8 @@ double default_amplitude_mm(const Body& body) {
   return kAmplitudePart * body.geometry.world_vector_from_index(edges).length();
 }
 
-ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, const FemModel& model,
-                               const MassDensities& density, const SlotSet& held,
-                               Progress* progress) {
+ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, const Body& shape,
+                               const FemSolid& solid, const SlotSet& held, Progress* progress) {
   if (step.shape > step.count) {
     throw InputError({"", "shape", std::to_string(step.shape),
                       "at most the count of modes, " + std::to_string(step.count)});
@@ -58,8 +57,11 @@ ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, co
   of_modes.loose = params.loose;
   std::vector<HeldElements> grips;
   if (!held.empty()) grips.emplace_back().elements = held;
+  FemModel model(shape, solid.elastic, params.elements, progress);
+  while (model.part_hinges(shape, held_bits(model.mesh(), grips), progress)) {
+  }
   const VibrationModes found =
-      lowest_modes(model, density, held_bits(model.mesh(), grips), of_modes, progress);
+      lowest_modes(model, solid.mass_density, held_bits(model.mesh(), grips), of_modes, progress);
   ModesRecord record;
   record.report = found.report;
   for (const VibrationMode& mode : found.modes) {

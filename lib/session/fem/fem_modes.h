@@ -6,6 +6,7 @@
 
 #include "lib/body/slot_set.h"
 #include "lib/fem/dynamics/modes.h"
+#include "lib/session/fem/fem_solid.h"
 #include "volumes/base/fields.h"
 
 namespace supple {
@@ -34,10 +35,10 @@ struct ModesRecord {
 /// A twentieth of the diagonal of the elements' box.
 double default_amplitude_mm(const Body& body);
 
-/// Modes of the body with these elements at rest. Throws as lowest_modes().
-ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, const FemModel& model,
-                               const MassDensities& density, const SlotSet& held,
-                               Progress* progress);
+/// Modes with these elements at rest, of a body that finite elements see as `shape`. Throws as
+/// FemModel and lowest_modes().
+ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, const Body& shape,
+                               const FemSolid& solid, const SlotSet& held, Progress* progress);
 
 /// The elements lie where the mode has them at its largest, from rest; `number` counts from 1.
 void take_mode_shape(const ModesRecord& record, int number, Body& body);

@@ -55,6 +55,20 @@ std::uint8_t class_of_pieces(const Body& body, const ClassSet& is_used, FemSolid
 
 }  // namespace
 
+void warn_of_locking(const Body& body, const FemSolid& solid, const ElementChoice& elements,
+                     Progress* progress) {
+  if (elements.dilatation == Dilatation::mean) return;
+  const ClassSet of_tissue = classes_of_tissue(body);
+  double most = 0;
+  for (std::size_t n = 0; n < of_tissue.size(); ++n) {
+    if (of_tissue[n]) most = std::max(most, solid.elastic.poisson[n]);
+  }
+  if (most <= kLockingPoisson) return;
+  warn(progress, "finite elements: full integration makes tissue of a Poisson's ratio of " +
+                     number_text(most) + " too stiff (from " + number_text(kLockingPoisson) +
+                     " on); the mean does not");
+}
+
 FemSolid fem_solid(const Body& body, const LinkCuts& cuts, std::optional<double> rigid_young_kpa,
                    double rigid_poisson) {
   FemSolid solid;

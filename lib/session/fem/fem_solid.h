@@ -25,6 +25,12 @@ struct FemSolid {
 FemSolid fem_solid(const Body& body, const LinkCuts& cuts, std::optional<double> rigid_young_kpa,
                    double rigid_poisson);
 
+/// Elements with full integration that are stiffer than their tissue: from this Poisson's ratio on.
+constexpr double kLockingPoisson = 0.45;
+/// Warns where the body has such tissue.
+void warn_of_locking(const Body& body, const FemSolid& solid, const ElementChoice& elements,
+                     Progress* progress);
+
 constexpr double kRigidContrast = 1e4, kCorticalBone_kpa = 18.6e6;
 
 }  // namespace supple
