@@ -1,13 +1,14 @@
 #include "volumes/state/state_source.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
-#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
 #include "volumes/base/error.h"
+#include "volumes/base/json.h"
 #include "volumes/base/sha256.h"
 #include "volumes/base/text.h"
 #include "volumes/io/format/formats.h"
@@ -85,10 +86,9 @@ double finite(double bound) {
   return std::isfinite(bound) ? bound : std::copysign(kMost, bound);
 }
 
-template <class T>
-std::optional<T> optional_of(const nlohmann::json& json, const char* name) {
+std::optional<int> whole_of(const Value& json, const char* name) {
   if (!json.contains(name)) return std::nullopt;
-  return json.at(name).get<T>();
+  return int(json.at(name).whole());
 }
 
 }  // namespace
@@ -133,40 +133,39 @@ std::shared_ptr<const StateSource> make_source(const VolumeHeader& header, const
 }
 
 std::string source_to_json(const StateSource& source, const std::string& state_path) {
-  nlohmann::ordered_json json = {{"path", relative_path(source.path, state_path)}};
+  Value json = {{"path", relative_path(source.path, state_path)}};
   if (!source.read.raw.empty()) json["raw"] = source.read.raw;
   if (source.read.frame) json["frame"] = *source.read.frame;
   if (source.read.channel) json["channel"] = *source.read.channel;
-  if (source.read.spacing_mm) {
-    const Vec3d& spacing = *source.read.spacing_mm;
-    json["spacing"] = {spacing.x, spacing.y, spacing.z};
-  }
-  json["active"] = {finite(source.lo), finite(source.hi)};
+  if (source.read.spacing_mm) json["spacing"] = *source.read.spacing_mm;
+  json["active"] = std::array<double, 2>{finite(source.lo), finite(source.hi)};
   json["components"] = source.components;
   json["sha256"] = source.sha256;
-  return json.dump();
+  return json_text(json);
 }
 
 StateSource source_from_json(const std::string& text, const std::string& state_path) {
   try {
-    const nlohmann::json json = nlohmann::json::parse(text);
+    const Value json = parse_json(text);
     StateSource source;
-    source.path = path_from(state_path, json.at("path").get<std::string>());
-    source.read.raw = json.value("raw", "");
-    source.read.frame = optional_of<int>(json, "frame");
-    source.read.channel = optional_of<int>(json, "channel");
-    if (const auto spacing = optional_of<std::array<double, 3>>(json, "spacing")) {
-      source.read.spacing_mm = Vec3d((*spacing)[0], (*spacing)[1], (*spacing)[2]);
+    source.path = path_from(state_path, json.at("path").text());
+    if (json.contains("raw")) source.read.raw = json.at("raw").text();
+    source.read.frame = whole_of(json, "frame");
+    source.read.channel = whole_of(json, "channel");
+    if (json.contains("spacing")) {
+      const Value& spacing = json.at("spacing");
+      source.read.spacing_mm =
+          Vec3d(spacing.at(0).number(), spacing.at(1).number(), spacing.at(2).number());
     }
-    source.lo = json.at("active").at(0).get<double>();
-    source.hi = json.at("active").at(1).get<double>();
-    source.components = json.at("components").get<int>();
-    source.sha256 = json.at("sha256").get<std::string>();
+    source.lo = json.at("active").at(0).number();
+    source.hi = json.at("active").at(1).number();
+    source.components = int(json.at("components").whole());
+    source.sha256 = json.at("sha256").text();
     if (source.sha256.size() != kDigits || source.components < 0) throw std::out_of_range("");
     return source;
   } catch (const std::exception&) {
-    throw InputError({state_path, "source", text.substr(0, kDigits),
-                      "path, densities and digest of a volume"});
+    throw InputError(
+        {state_path, "source", text.substr(0, kDigits), "path, densities and digest of a volume"});
   }
 }
 
