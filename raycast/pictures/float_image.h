@@ -56,10 +56,10 @@ using RowMatrix = std::array<double, 16>;
 
 /// Attributes of an EXR file, and how it stores its floats.
 struct ExrFacts {
-  std::string comment;            // attribute `comments`
-  bool half = false;              // 16 bits, but for Z and id
-  std::vector<RowMatrix> camera;  // worldToCamera and worldToNDC, of LPS mm; empty: none
-  double frames_per_second = 0;   // 0: none
+  std::string comment = {};            // attribute `comments`
+  bool half = false;                   // 16 bits, but for Z and id
+  std::vector<RowMatrix> camera = {};  // worldToCamera and worldToNDC, of LPS mm; empty: none
+  double frames_per_second = 0;        // 0: none
 };
 
 /// Floats, compressed without loss: R, G, B (linear, premultiplied), A unless the picture is

@@ -170,7 +170,7 @@ TEST_F(UnitBeyondLimits, ACancelIsHeardWhileTheyAreFound) {
     bool m_is_there = false;
   } stop;
   Session session(m_folder / "block.nhdr", m_options);
-  StepRequest request;
+  Step request;
   request.fix.push_back({{0, 0, 0}, {15, 15, 0}});
   request.drags = {Drag{Region({6, 6, 15}, {9, 9, 15}), {0.3, 0, 4}}};
   request.fem = FemStep();

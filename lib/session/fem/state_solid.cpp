@@ -80,7 +80,7 @@ HexSolid solid_of(const State& state, const std::string& path, std::vector<Solid
   if (progress != nullptr) progress->stage("hexahedra");
   Body body = make_body(state, parse_material(state.material_toml, path));
   body.cuts = state.cuts;  // without the links that rigid pieces hide
-  const HexMesh mesh = hex_mesh(body, progress);
+  const HexMesh mesh = hex_mesh(body, {}, progress);
   const Displacement u = displacement_of(state);
   const LinkedElements linked(u, state.elements, state.cuts);
 
