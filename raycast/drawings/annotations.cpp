@@ -169,7 +169,7 @@ void Annotations::legend(const ScalarRange& range, const std::function<Rgb(doubl
                          const std::string& title, int n, int count) {
   const double unit = m_word_height;
   const double left = m_area.left + m_area.width - 10 * unit, right = left + 1.5 * unit;
-  // All of them between a fifth and seven tenths of the height, with room for titles between.
+  // All legends lie between a fifth and seven tenths of the height, with room for titles between.
   const double share = (0.5 + kBetweenLegends) / count;
   const double top = m_area.top + (0.2 + n * share) * m_area.height;
   const double bottom = top + (share - kBetweenLegends) * m_area.height;

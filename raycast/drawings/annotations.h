@@ -41,14 +41,14 @@ class Annotations {
   /// Suits an area: 1/32 of its shorter side, at least 9 pixels.
   static double letter_height_for(const PictureArea& area);
 
-  /// The sides in the middle of each edge. `right` and `up`: of the picture, LPS.
+  /// Writes the patient's sides in the middle of each edge. `right` and `up`: of the picture, LPS.
   void letters(const Vec3d& right, const Vec3d& up);
   /// A bar of a round length, at most a quarter of the width, in the bottom left corner; `remark`
   /// follows its length in mm.
   void scale_bar(double pixel_mm, const std::string& remark);
   /// A cube in the bottom right corner, seen as the patient is, with the letters of its sides.
   void cube(const CameraFrame& frame);
-  /// Room that they take from the edges of an area, in heights of letters.
+  /// Room that drawings take from the edges of an area, in heights of letters.
   static constexpr double kLettersReach = 2, kScaleBarReach = 3, kCubeReach = 6;
   static constexpr double kWordsReach = 0.75, kLineReach = 1.425;  // and so much for every line
   static constexpr double kLegendReach = 8.25;
@@ -60,7 +60,7 @@ class Annotations {
               const std::string& title, int n = 0, int count = 1);
   /// Two lines through a point that leave its surroundings free.
   void crosshair(const PixelPoint& at);
-  /// From where something was to where it is; one shorter than a pixel is left out.
+  /// Draws an arrow from where something was to where it is; one under a pixel is left out.
   void arrow(const PixelPoint& from, const PixelPoint& to);
 
  private:

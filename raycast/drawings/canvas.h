@@ -27,7 +27,7 @@ class Canvas {
   CanvasPoint project(const Vec3d& world_mm) const;
   /// Colours at the three corners, linear between them.
   void triangle(const std::array<CanvasPoint, 3>& p, const std::array<Colour3, 3>& colours);
-  /// Lies on top of surfaces that pass through its ends.
+  /// Draws a line that lies on top of surfaces which pass through its ends.
   void line(const CanvasPoint& a, const CanvasPoint& b, double width_pixels, const Colour3& colour);
   /// The canvas averaged to pixels.
   Image to_image() const;

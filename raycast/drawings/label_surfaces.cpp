@@ -9,7 +9,7 @@ namespace supple {
 namespace {
 
 constexpr int kSmoothings = 20;
-/// Of a cube's half: vertices stay inside of it, and triangles keep an area.
+/// Reach of a vertex from its cube's centre, in voxels: it stays inside; triangles keep an area.
 constexpr double kReach = 0.49;
 
 using NetFace = std::array<int, 4>;  // vertices, in order around a face between two voxels

@@ -24,7 +24,7 @@ constexpr ScalarRange kVolumeRatios{0.5, 1.5};
 
 /// From light to dark, or from blue over grey to red for values about a middle.
 enum class ValueColours { ascending, about_middle };
-/// Of a value by its share of the way through a range, 0 to 1.
+/// Colour of a value by its share of the way through a range, 0 to 1.
 Rgb value_colour(ValueColours colours, double share);
 
 /// Values beyond the range have the colours of its ends.
@@ -35,7 +35,7 @@ struct ValuePaint {
   /// The value of what is as it was: nothing is painted there, and little beside it.
   std::optional<double> clear = {};
 
-  /// Of a value in the range or beyond it.
+  /// Colour of a value in the range or beyond it.
   Rgb colour(double of) const;
   /// Share of the colour in what is seen.
   double share(double of) const;

@@ -7,7 +7,7 @@ namespace supple {
 
 namespace {
 
-/// Yellow, as of slices.
+/// Yellow, as in slices.
 constexpr float kOutline[3] = {1, 200 / 255.0f, 0};
 /// A ball of this part of a voxel's diagonal holds it whole, so that there are no holes.
 constexpr double kBallPart = 0.5;

@@ -1,4 +1,4 @@
-// Where tissue came from, as drawings ask for it.
+// The function by which drawings ask where tissue came from.
 #pragma once
 
 #include <functional>

@@ -13,7 +13,7 @@ namespace supple {
 
 namespace {
 
-/// What is known of one pixel.
+/// Grey value and label of one pixel; whether it lies in the box and in the material.
 struct SlicePixel {
   std::uint8_t grey = 0;
   bool is_inside = false;  // the volume's box
@@ -96,7 +96,7 @@ class RestGrid {
       const double line = at_rest[axis] * m_per_voxel[n];
       const double per_pixel =
           std::hypot(across[axis] - at_rest[axis], down[axis] - at_rest[axis]) * m_per_voxel[n];
-      // Where tissue was torn apart neighbours say nothing of the lines.
+      // Neighbours across a tear say nothing of the distance between lines.
       if (!(per_pixel > 0) || per_pixel > 0.5) continue;
       most = std::max(most, 1 - std::abs(line - std::round(line)) / per_pixel);
     }
@@ -172,7 +172,7 @@ class SliceDrawing {
     if (m_style.label && rest_place(index, at_rest)) pixel.label = m_style.label(at_rest);
   }
 
-  /// Whether the pixel is something, and a neighbour something else or beyond the picture.
+  /// True if `what` is not 0 at the pixel and differs at a neighbour, or that is off the picture.
   template <class What>
   bool is_rim(int x, int y, const What& what) const {
     const std::int64_t own = what(pixel(x, y));
@@ -245,7 +245,7 @@ Image draw_slice(const Geometry& geometry, const Geometry& slice, const DensityA
 Image tiled(const std::vector<Image>& images, int columns, int gap,
             std::vector<TilePlace>* places) {
   const int count = int(images.size()), rows = (count + columns - 1) / columns;
-  // Where columns and rows begin; one more each for the end.
+  // Pixels at which columns and rows begin, each with one more for the end.
   std::vector<int> lefts(std::size_t(std::min(columns, count)) + 1, 0);
   std::vector<int> tops(std::size_t(rows) + 1, 0);
   const auto column_of = [&](int n) { return std::size_t(n % columns); };

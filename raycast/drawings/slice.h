@@ -50,12 +50,12 @@ std::array<std::uint8_t, 3> label_colour(std::int64_t label);
 Image draw_slice(const Geometry& geometry, const Geometry& slice, const DensityAt& density,
                  const SliceStyle& style);
 
-/// Where a picture of a table begins.
+/// The top left pixel of a picture in a table.
 struct TilePlace {
   int left, top;
 };
-/// Pictures in rows of `columns`, each at the top left of its cell, transparent between; places in
-/// their order.
+/// Puts pictures in rows of `columns`, each at the top left of its cell, transparent between;
+/// `places`: those of the pictures, in their order.
 Image tiled(const std::vector<Image>& images, int columns, int gap,
             std::vector<TilePlace>* places = nullptr);
 

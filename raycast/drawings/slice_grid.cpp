@@ -34,7 +34,7 @@ Vec3d along(const Geometry& geometry, int axis, int world, double sign) {
   return unit[world] * sign < 0 ? -unit : unit;
 }
 
-/// Where the plane through a place cuts the box: its edges' crossings, relative to the place.
+/// Points at which the plane through a place crosses the box's edges, relative to the place.
 std::vector<Vec3d> cut_of_box(const Geometry& geometry, const Vec3d& through, const Vec3d& normal) {
   std::array<Vec3d, 8> corners;
   for (std::size_t c = 0; c < 8; ++c) {

@@ -1,7 +1,7 @@
-// Where slices lie. As radiologists look at them: axial and coronal with the patient's left on the
-// right, sagittal with posterior on the right; superior up, anterior up in axial ones. Such a slice
-// lies in a plane of voxels, that of the grid axes nearest to the patient's; an oblique one lies
-// anywhere. All have square pixels.
+// Grids of slices, oriented as radiologists look at them: axial and coronal with the patient's left
+// on the right, sagittal with posterior on the right; superior up, anterior up in axial ones. Such
+// a slice lies in a plane of voxels, that of the grid axes nearest to the patient's; an oblique one
+// lies anywhere. All have square pixels.
 #pragma once
 
 #include <optional>
@@ -19,9 +19,9 @@ struct SliceAxes {
   Vec3d right, down;
 };
 SliceAxes slice_axes(const Geometry& geometry, SlicePlane plane);
-/// Of the plane across `normal_lps`, which points to the viewer. `up`: by default superior, for
-/// planes within 25 degrees of an axial one anterior. Throws InputError: no direction, `up` along
-/// the normal.
+/// Axes of the plane across `normal_lps`, which points to the viewer. `up`: by default superior,
+/// for planes within 25 degrees of an axial one anterior. Throws InputError: no direction, `up`
+/// along the normal.
 SliceAxes oblique_axes(const Vec3d& normal_lps, const std::optional<Vec3d>& up_lps);
 
 /// The grid of one slice whose voxels (x, y, 0) are the pixels: the plane through a voxel position,

@@ -11,7 +11,7 @@ namespace supple {
 
 namespace {
 
-/// Of the change of the place at rest along the surface: planes that change less fade away.
+/// Share of a plane's coordinate in the change at rest along the surface: none to full ink.
 constexpr double kAlongSurface = 0.15, kAcrossSurface = 0.4;
 /// Surfaces that turn away keep this share of the ink.
 constexpr double kTurnedAway = 0.5;
@@ -54,14 +54,14 @@ class GridPainter {
   }
 
  private:
-  /// Along the grid axes, in mm.
+  /// Finds the place at rest along the grid axes, in mm.
   bool at_rest(const Vec3d& lps_mm, Vec3d& rest) const {
     if (!m_rest_place(m_geometry.index_from_world(lps_mm), rest)) return false;
     for (int a = 0; a < 3; ++a) rest[a] *= m_geometry.spacing_mm()[a];
     return true;
   }
 
-  /// Where a ray meets the tangent plane of a place.
+  /// The point at which the ray of a pixel meets the tangent plane of a place.
   Vec3d beside(double px, double py, const Vec3d& place, const Vec3d& normal) const {
     const Ray ray = m_rays.at(px, py);
     const double rate = std::min(ray.direction_lps.dot(normal), -kGrazing / 2);

@@ -24,7 +24,7 @@ struct SurfaceGrid {
   Rgb ink{0.35, 0.78, 1};
 };
 
-/// Whether a pixel shows tissue and no mesh; null: all do.
+/// Returns true for a pixel that shows tissue and no mesh; null: all pixels do.
 using ShowsTissue = std::function<bool(int x, int y)>;
 
 /// Draws over the colours of a picture with depths and normals, where it shows a surface. Throws
