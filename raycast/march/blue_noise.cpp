@@ -29,7 +29,7 @@ class Points {
 
   /// The point with the most energy around it.
   int tightest_cluster() const { return extreme(true, -1); }
-  /// The empty pixel with the least.
+  /// The empty pixel with the least energy around it.
   int largest_void() const { return extreme(false, 1); }
 
  private:

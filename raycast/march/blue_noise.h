@@ -5,8 +5,8 @@
 
 namespace supple {
 
-/// 0 … 1, of a tile of 64×64 pixels that repeats; every multiple of 1/4096 once in a tile. The
-/// first call makes the tile, some 20 ms.
+/// A threshold, 0 … 1, from a tile of 64×64 pixels that repeats; every multiple of 1/4096 stands
+/// once in a tile. The first call makes the tile, some 20 ms.
 float blue_noise(int x, int y);
 
 }  // namespace supple

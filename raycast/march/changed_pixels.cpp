@@ -66,7 +66,7 @@ class NearestBricks {
 
  private:
   static int tiles(int pixels) { return (pixels + kMarkedTile - 1) / kMarkedTile; }
-  /// Of the tile that holds this pixel, or the first or last one.
+  /// Index of the tile that holds this pixel; the first or last tile for a pixel off the picture.
   static int tile_of(double pixel, int pixels) {
     return int(std::clamp(pixel, 0.0, double(pixels - 1))) / kMarkedTile;
   }

@@ -15,7 +15,7 @@ constexpr double kGrowth = 0.01;  // voxels; covers Embree's single precision
 
 using ClusterBox = std::pair<Vec3d, Vec3d>;  // lowest and highest corner
 
-/// What one traversal collects; Embree hands the context to the callback.
+/// Ray and results of one traversal; Embree hands the context to the callback.
 struct CollectContext {
   RTCIntersectContext base;
   Vec3d origin;

@@ -1,5 +1,5 @@
-// Where rays can meet something visible: Embree user geometry over clusters of 2x2x2 bricks, one
-// all-hits traversal per ray (design.md section 5).
+// Intervals in which rays can meet something visible: Embree user geometry over clusters of 2x2x2
+// bricks, one all-hits traversal per ray (design.md section 5).
 #pragma once
 
 #include <memory>

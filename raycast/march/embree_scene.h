@@ -15,7 +15,7 @@ class EmbreeScene {
   EmbreeScene(const EmbreeScene&) = delete;
   EmbreeScene& operator=(const EmbreeScene&) = delete;
 
-  /// To be filled before build.
+  /// The geometry, to be filled before build().
   RTCGeometry geometry() const { return m_geometry; }
   /// Throws SystemError.
   void build(RTCBuildQuality quality);

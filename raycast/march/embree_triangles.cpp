@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kEmbreeBytesPerTriangle = 80;
 
-/// What one traversal collects; Embree hands the context to the callback.
+/// Start and results of one traversal; Embree hands the context to the callback.
 struct HitContext {
   RTCIntersectContext base;
   double start;

@@ -1,4 +1,4 @@
-// Where rays meet triangles: all hits of a ray in one traversal.
+// Hits of rays on triangles: all hits of a ray in one traversal.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ class TriangleTree {
 
   /// Hits within the interval, ascending in t and index.
   void hits(const Ray& ray, Interval within, std::vector<TriangleHit>& out) const;
-  /// Of the sphere around all triangles.
+  /// Radius of the sphere around all triangles.
   double radius_mm() const;
   std::size_t bytes() const;
 

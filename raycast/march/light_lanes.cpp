@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "raycast/march/light_lanes.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-// Not above: foreach_target.h comes first.
+// This include is not above: foreach_target.h comes first.
 #include <hwy/contrib/math/math-inl.h>
 
 #include "raycast/sample/lanes-inl.h"
@@ -46,7 +46,7 @@ HWY_INLINE HWY_ATTR void store(const FloatVector& v, int at, LitLanes::Vectors& 
   hn::Store(v.z, kFloats, to.z + at);
 }
 
-/// Density per mm, LPS; 0 in lanes that are not wanted.
+/// World gradients, density per mm, LPS; 0 in lanes that are not wanted.
 HWY_INLINE HWY_ATTR FloatVector world_gradient(const std::array<Vec3f, 3>& columns,
                                                const SampleBatch& batch, MF wanted, int at) {
   const FloatVector g = {hn::IfThenElseZero(wanted, hn::Load(kFloats, batch.gx + at)),
@@ -58,7 +58,7 @@ HWY_INLINE HWY_ATTR FloatVector world_gradient(const std::array<Vec3f, 3>& colum
   return {dot(row[0], g), dot(row[1], g), dot(row[2], g)};
 }
 
-/// x to a power for x of 0 … 1.
+/// Raises x of 0 … 1 to a power.
 HWY_INLINE HWY_ATTR VF to_power(VF x, float power) {
   constexpr float kMostMultiplied = 64;
   if (power >= 1 && power <= kMostMultiplied && power == std::floor(power)) {

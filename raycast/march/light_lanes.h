@@ -38,8 +38,8 @@ struct LitLanes {
   }
 };
 
-/// Of the batch's index-space gradients in the lanes `wanted`, which `columns` take to density per
-/// mm, LPS.
+/// Lights the lanes `wanted` of a batch by its index-space gradients, which `columns` take to
+/// density per mm, LPS.
 void light_lanes(const Shading& shading, const Shading::View& view,
                  const std::array<Vec3f, 3>& columns, const SampleBatch& batch,
                  std::uint32_t wanted, LitLanes& lit);

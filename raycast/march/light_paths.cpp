@@ -17,7 +17,7 @@ constexpr int kDirections = 32;                         // of ambient occlusion
 constexpr double kWidening = 0.25;  // its steps are this share of the way, at least a voxel
 constexpr float kSpent = 1e-2f;     // of ambient light on its way
 
-/// Evenly spread over the sphere (Fibonacci lattice).
+/// Direction n of a set that is evenly spread over the sphere (Fibonacci lattice).
 Vec3d direction_around(int n) {
   constexpr double kGoldenAngle = 2.39996322972865332;
   const double z = 1 - (2 * n + 1.0) / kDirections, radius = std::sqrt(1 - z * z);
@@ -129,7 +129,7 @@ LightReached LightPaths::interpolated(const PathStart& place) {
   return reached;
 }
 
-/// Faces all around, without a bias.
+/// Light at a node, which faces all around: its paths begin without a bias.
 LightVolume::Light LightPaths::light_of_node(const Vec3d& node) {
   const Lighting& lighting = m_context.settings.lighting;
   const PathStart place{node, m_context.geometry.world_from_index(node), {}};
@@ -187,7 +187,7 @@ float LightPaths::surface_transmittance(const Vec3d& start, const Vec3f& directi
 }
 
 float LightPaths::transmittance(const PathStart& place, const LightMedium::Direction& towards) {
-  // What faces away from the light is not lit anyway.
+  // A surface that faces away from the light is not lit anyway.
   if (place.facing.trust >= 1 && place.facing.normal.dot(towards.world) <= 0) return 0;
   const float passed = surface_transmittance(place.surface_start, towards.world);
   if (passed == 0) return 0;
@@ -226,7 +226,7 @@ float LightPaths::openness(const PathStart& place) {
   return sum / weights;
 }
 
-/// Of the light emitted along a path as long as the radius, the share that arrives.
+/// Share of the light emitted along a path as long as the radius that arrives at its start.
 float LightPaths::ambient_along(const PathStart& place, const LightMedium::Direction& direction) {
   const double radius = m_context.settings.lighting.occlusion_radius_mm;
   find_crossings(place.surface_start, direction.world, radius);
@@ -263,7 +263,7 @@ double LightPaths::end_of_emptiness(const IndexRay& ray, double t) {
   return out < 0 || !m_context.output_visible[out] ? end_of_brick(ray, voxel) : t;
 }
 
-/// Of the deformed volume, as the marcher sees it.
+/// Finds the extinctions of the deformed volume as the marcher samples it.
 void LightPaths::find_extinctions(const IndexRay& ray, PathSamples& stretch) {
   if (stretch.count == 0) return;
   m_places.base = floor_voxel(ray.at(stretch.t[0]));
@@ -283,7 +283,7 @@ void LightPaths::find_extinctions(const IndexRay& ray, PathSamples& stretch) {
   }
 }
 
-/// Where a lane of the batch read the source, index space.
+/// The place at which a lane of the batch read the source, index space.
 Vec3d LightPaths::read_at(int lane) const {
   return Vec3d(m_places.base) + Vec3d(m_batch.px[lane], m_batch.py[lane], m_batch.pz[lane]);
 }

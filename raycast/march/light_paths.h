@@ -38,7 +38,7 @@ class LightMedium {
 
   /// Optical depth per mm; with gradient opacity, where the gradient would be opaque.
   float extinction(float encoded) const;
-  /// With the gradient's share (density per mm).
+  /// The extinction after the opacity has been scaled by that of the gradient (density per mm).
   float with_gradient(float extinction, float gradient_per_mm) const;
 
   const RenderContext& context;
@@ -51,7 +51,7 @@ class LightMedium {
   std::vector<float> m_extinction;
 };
 
-/// One per thread.
+/// Follows the light paths of a picture; one per thread.
 class LightPaths {
  public:
   explicit LightPaths(const LightMedium& medium);
@@ -77,10 +77,10 @@ class LightPaths {
   float transmittance(const PathStart& place, const LightMedium::Direction& towards);
   float openness(const PathStart& place);
   float ambient_along(const PathStart& place, const LightMedium::Direction& towards);
-  /// Of a path that starts at a place, LPS; leaves them in m_crossings.
+  /// Finds the crossings of a path that starts at a place, LPS; leaves them in m_crossings.
   void find_crossings(const Vec3d& start, const Vec3f& direction, double length_mm);
   float surface_transmittance(const Vec3d& start, const Vec3f& direction);
-  /// Where the ray leaves the brick that it is in at t, when that is transparent; else t.
+  /// The end of the brick that the ray is in at t, when that is transparent; else t.
   double end_of_emptiness(const IndexRay& ray, double t);
   /// Places along a path and their extinction.
   struct PathSamples {

@@ -58,7 +58,7 @@ LightVolume::LightVolume(const Geometry& geometry, const Vec3d& lo, const Vec3d&
   m_states = std::make_unique<std::atomic<std::uint8_t>[]>(count);
 }
 
-/// Counted in nodes, within their cells.
+/// A place in steps of nodes, held within their cells.
 Vec3d LightVolume::in_nodes(const Vec3d& place) const {
   Vec3d at;
   for (int a = 0; a < 3; ++a) {
@@ -68,7 +68,7 @@ Vec3d LightVolume::in_nodes(const Vec3d& place) const {
   return at;
 }
 
-/// False where the node is filled, by now.
+/// Claims an empty node for the caller to fill; false where the node is filled by now.
 bool LightVolume::begins_to_fill(std::size_t node) const {
   std::atomic<std::uint8_t>& state = m_states[node];
   if (state.load(std::memory_order_acquire) == kFilled) return false;

@@ -25,18 +25,18 @@ namespace supple {
 class LightVolume {
  public:
   static constexpr int kHarmonics = 9;
-  /// Of a node or between them.
+  /// Light at a node, or interpolated between nodes.
   struct Light {
     float clear = 1;  // share of the light that passes the node's own tissue
     std::array<float, Lighting::kMaxLights> lights{};
     std::array<float, kHarmonics> around{};  // mean of the light times each harmonic
     /// Adds the light from a direction (unit, LPS); `part` of all that come.
     void add_around(const Vec3f& from, float light, float part);
-    /// Cosine-weighted mean over the side of a normal, in the share of trust; the rest of all.
+    /// Mean of light, cosine-weighted over the normal's side by trust, over all sides for the rest.
     float openness(const Facing& facing) const;
   };
 
-  /// Of places in a box of the index space, `lights` of them; nodes about `spacing_mm` apart, but
+  /// Covers a box of the index space for `lights` lights; nodes lie about `spacing_mm` apart, but
   /// not nearer than voxels.
   LightVolume(const Geometry& geometry, const Vec3d& lo, const Vec3d& hi, double spacing_mm,
               int lights);

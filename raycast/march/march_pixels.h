@@ -19,7 +19,7 @@ struct PixelLattice {
   bool has(int x, int y) const { return coarser > 0 && x % coarser == 0 && y % coarser == 0; }
 };
 
-/// Of a picture that another one may begin with; per pixel.
+/// Per pixel of a picture that another one may begin with: if it is there, and where it is opaque.
 struct PixelMarks {
   std::vector<std::uint8_t> is_there;  // not to be marched; empty: all are
   std::vector<float> opaque_from_mm;   // Marcher::opaque_from

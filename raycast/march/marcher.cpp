@@ -17,7 +17,7 @@ constexpr std::int64_t kPieceSamples = 256;
 constexpr float kNoDensity = std::numeric_limits<float>::quiet_NaN();
 constexpr float kNothingYet = -std::numeric_limits<float>::infinity();
 
-/// Not a number where a lane is empty.
+/// Density of a lane; not a number where the lane is empty.
 float density_of(const SampleBatch& batch, int lane) {
   return batch.inside >> lane & 1 ? batch.encoded[lane] : kNoDensity;
 }
@@ -50,7 +50,7 @@ Float4 Marcher::march(const Ray& ray, float shift) {
                         m_context.settings.clip_surfaces ? &m_clips : nullptr);
   march_volume(shift);
   while (m_crossings.next_t() < kEndless && !opaque()) composite_crossing();
-  // What the ray left out once it was opaque is taken to be as what it met.
+  // The part of a ray that was left out once it was opaque counts as like the part that was met.
   if (!m_is_maximum && opaque()) m_sum = m_sum / m_sum[3];
   return m_sum;
 }
@@ -62,7 +62,7 @@ void Marcher::march_volume(float shift) {
   if (m_entry > span.end) return;
   m_last_sample = std::int64_t((span.end - m_entry) / m_context.step_mm);
 
-  // The block in which an opaque surface lies is judged as ever.
+  // The block in which an opaque surface lies is judged like any other.
   const double last_block_end =
       m_crossings.opaque_t() + m_context.settings.stride * m_context.step_mm;
   const Interval kept{std::max(span.begin, m_clips.kept().begin),
@@ -249,9 +249,9 @@ void Marcher::find_gradients(std::uint32_t lanes, bool has_before) {
   batch.gz[0] = (batch.gz[0] + m_before.gz[0]) / 2;
 }
 
-/// How the first of these lanes lie to the light; sample `first` is in lane 0. Returns which: all,
-/// or where faces have to be searched for lane by lane so few that most are seen before the ray is
-/// opaque.
+/// Finds how the first of these lanes lie to the light; sample `first` is in lane 0. Returns those
+/// lanes: all, or, where faces have to be searched for lane by lane, so few that most are seen
+/// before the ray is opaque.
 std::uint32_t Marcher::light(std::uint32_t lanes, std::int64_t first) {
   constexpr int kFew = 4;
   SampleBatch& batch = m_samples_between;
@@ -277,8 +277,8 @@ std::uint32_t Marcher::light(std::uint32_t lanes, std::int64_t first) {
   return lanes;
 }
 
-/// To those of the middle of the way from the lane before; the last first, so that each finds the
-/// one before as it was sampled.
+/// Averages gradients to those in the middle of the way from the lane before, the last lane first,
+/// so that each finds the one before as it was sampled.
 void Marcher::average_gradients(std::uint32_t lanes) {
   SampleBatch& batch = m_samples_between;
   for (std::uint32_t rest = lanes & batch.inside << 1; rest != 0;) {
@@ -290,7 +290,7 @@ void Marcher::average_gradients(std::uint32_t lanes) {
   }
 }
 
-/// `before`: the density of the sample before, not a number when that was empty.
+/// Composites a sample; `before`: density of the one before, not a number when that was empty.
 void Marcher::composite(int lane, std::int64_t n, float before) {
   const float encoded = m_samples_between.encoded[lane];
   Float4 colour = m_is_integrated && before == before

@@ -40,8 +40,8 @@ class Marcher {
   /// Surface that the last ray met; false when its opacity stayed below one half. Reads its sample
   /// again.
   bool surface(SeenSurface& seen);
-  /// Where along the last ray, in mm, it had become opaque: nothing behind could have changed its
-  /// colour. Endless where it did not.
+  /// Distance along the last ray, in mm, at which it had become opaque: nothing behind could have
+  /// changed its colour. Endless where it did not.
   double opaque_from() const { return m_opaque_from; }
   /// Samples read from the source so far.
   std::int64_t samples() const { return m_samples; }
@@ -79,7 +79,7 @@ class Marcher {
   bool m_is_maximum, m_is_shaded, m_is_integrated, m_needs_gradient;
   std::unique_ptr<LightPaths> m_paths;
 
-  // Of the ray under way.
+  // State of the ray that is being marched.
   Ray m_world_ray;
   IndexRay m_ray;
   double m_entry = 0;

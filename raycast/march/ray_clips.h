@@ -10,7 +10,7 @@ namespace supple {
 class RayClips {
  public:
   void begin_ray(const std::vector<IndexClip>& clips, const IndexRay& ray);
-  /// Outside of it everything is clipped, and parts of it may be.
+  /// The interval outside of which everything is clipped; parts of it may be clipped, too.
   const Interval& kept() const { return m_kept; }
   bool is_clipped(double t) const;
 

@@ -1,4 +1,4 @@
-// Where a ray crosses meshes, one after another.
+// The crossings of a ray with meshes, one after another.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,12 @@ class RayCrossings {
   /// `surfaces` null: none. `clips` null: they leave meshes whole.
   void begin_ray(const SurfaceScene* surfaces, const Ray& ray, const RayClips* clips);
 
-  /// Of the next crossing; infinite when there is none.
+  /// Distance of the next crossing along the ray, mm; infinite when there is none.
   double next_t() const { return m_next_t; }
   std::size_t next() const { return m_next; }
   const TriangleHit& hit(std::size_t n) const { return m_hits[n]; }
   void pass();
-  /// Of the first opaque crossing; infinite when there is none.
+  /// Distance of the first opaque crossing, mm; infinite when there is none.
   double opaque_t() const { return m_opaque_t; }
 
  private:

@@ -9,8 +9,8 @@ namespace supple {
 
 namespace {
 
-// Faces of cuts are planes that were fitted: a sample of the piece may lie this far before one, in
-// voxels; and so far before one nothing of the piece is left.
+// Faces of cuts are fitted planes: a sample of the piece may lie kAhead voxels before one, and
+// kBefore voxels before one nothing of the piece is left.
 constexpr double kAhead = 0.5, kBefore = 0.25;
 
 bool is_near_border(const RenderContext& context, const Vec3d& pos) {
@@ -97,13 +97,13 @@ class FaceSearch {
         pos, [&](const Vec3d& normal) { return rate(clip.space(), normal, pos); }, mm_ago);
   }
 
-  /// What a covector of `space` at `pos` is in the picture.
+  /// Takes a covector of `space` at `pos` to the space of the picture.
   Vec3f as_seen(ClipSpace space, const Vec3d& normal, const Vec3d& pos) const {
     if (space == ClipSpace::deformed) return Vec3f(normal);
     return m_context.pull_back(m_samples.batch, m_lane, m_samples.seen_at(m_lane), pos,
                                Vec3f(normal));
   }
-  /// What it gains per mm of the ray.
+  /// Change per mm of the ray of the coordinate that the covector measures.
   double rate(ClipSpace space, const Vec3d& normal, const Vec3d& pos) const {
     return Vec3d(as_seen(space, normal, pos)).dot(direction());
   }

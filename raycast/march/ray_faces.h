@@ -18,7 +18,7 @@ struct RaySamples {
 
   double t_of(int lane) const { return t_of_first + lane * step_mm; }
   Vec3d seen_at(int lane) const { return ray.at(t_of(lane)); }
-  /// Where the lane read the source, index space.
+  /// The place at which the lane read the source, index space.
   Vec3d read_at(int lane) const {
     return Vec3d(base) + Vec3d(batch.px[lane], batch.py[lane], batch.pz[lane]);
   }

@@ -93,7 +93,7 @@ void RenderContext::find_border() {
   const Vec3d last = Vec3d(dims) - Vec3d(1), spacing = geometry.spacing_mm();
   border = std::make_unique<IndexClip>(
       Clip{box_region(geometry, Vec3d(0), last), ClipKeep::inside, ClipSpace::source}, geometry);
-  // Compressed to half its length the tissue of a face is as deep again.
+  // Twice the depth of a face: tissue there may be compressed to half its length.
   const double reach_mm = 2 * (kFaceVoxels + 1) * std::min({spacing.x, spacing.y, spacing.z});
   for (int a = 0; a < 3; ++a) {
     Vec3d axis(0);

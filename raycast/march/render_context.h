@@ -23,14 +23,14 @@ class LightMedium;
 /// Voxels behind a face that are shaded as the face; one more fades to the tissue's own gradients.
 constexpr double kFaceVoxels = 2;
 
-/// The bricks outlive it.
+/// Data that all rays of a picture share. The bricks outlive it.
 struct RenderContext {
   RenderContext(const Geometry& geometry, const SourceBricks& source, const OffsetBricks& output,
                 const Camera& camera, const TransferFunction& function,
                 const RenderSettings& settings, const SurfaceScene* surfaces = nullptr);
   ~RenderContext();
 
-  /// Encoded density per voxel to density per mm.
+  /// Takes a gradient from encoded density per voxel to density per mm.
   Vec3f to_world(const Vec3f& index_gradient) const;
   /// (I + grad o)^T g of a lane that stands for a sample seen at x that reads the
   /// source at y, index space. Derivatives of offsets are continuous where densities are cubic.

@@ -10,7 +10,7 @@
 
 namespace supple {
 
-/// How the time that a picture takes is traded for accuracy (docs/pictures.md).
+/// Trade of the time that a picture takes for accuracy (docs/pictures.md).
 enum class Quality { draft, standard, accurate };
 
 /// "draft", "default", "accurate". Throws InputError listing them.
@@ -21,7 +21,7 @@ constexpr int samples_per_voxel(Quality quality) {
   return quality == Quality::draft ? 2 : quality == Quality::accurate ? 5 : 3;
 }
 
-/// Whether densities become colours at the samples, or along the way between two.
+/// The points where densities become colours: samples, or the way between two of them.
 enum class Classification { post, pre_integrated };
 
 struct RenderSettings {
@@ -51,8 +51,8 @@ struct RenderSettings {
   /// Throws InputError: sizes < 1 or > 16384, step outside 0.01…16, stride outside 1…16,
   /// early_termination outside (0, 1], a bad clip or light.
   void validate() const;
-  /// With the function that it is drawn by. Throws InputError: gradient opacity along the way
-  /// between samples.
+  /// Checks the settings with the function of the picture. Throws InputError: gradient opacity
+  /// along the way between samples.
   void validate_with(const TransferFunction& function) const;
 };
 

@@ -89,7 +89,7 @@ class Shading {
   /// Facing::trust of a gradient of one density per mm, were it not at most 1.
   float trust_per_gradient() const { return m_trust_per_gradient; }
   int light_count() const { return m_light_count; }
-  /// Unit, towards the light, LPS.
+  /// Unit vector towards the light, LPS.
   const Vec3f& towards_light(int n) const { return m_lights[n].towards; }
 
  private:
@@ -105,7 +105,7 @@ class Shading {
   float m_ambient, m_specular_power, m_trust_per_gradient;
 };
 
-// Inline: once per visible sample.
+// These are inline, as they run once per visible sample.
 
 /// Cosine between the normal and the half vector, or between the reflected light and the eye.
 inline float Shading::highlight(const Facing& facing, const View& view, int n) const {

@@ -7,8 +7,8 @@ namespace supple {
 
 namespace {
 
-/// Of the radius of everything: crossings nearer to each other may be one, of an edge; light paths
-/// begin twice as far from a surface. Single precision leaves 1e-7.
+/// A share of the scene's radius: crossings nearer to each other than this may be one, of an edge;
+/// light paths begin twice as far from a surface. Single precision leaves 1e-7.
 constexpr double kTouching = 1e-5;
 
 }  // namespace
@@ -51,7 +51,7 @@ SurfacePoint SurfaceScene::point(const Ray& ray, const TriangleHit& hit) const {
   const bool is_back = shape.face_normal.dot(Vec3f(ray.direction_lps)) > 0;
   const Vec3d pos = ray.origin_lps_mm + ray.direction_lps * hit.t;
 
-  // Onto the rounded surface that the normals describe, or the facets of a round body would shade
+  // The place goes onto the rounded surface of the normals, or facets of a round body would shade
   // each other (J. Hanika, Hacking the shadow terminator, Ray Tracing Gems II, 2021).
   Vec3d normal(0), rounded(0);
   for (int c = 0; c < 3; ++c) {

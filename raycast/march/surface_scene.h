@@ -22,10 +22,10 @@ class SurfaceScene {
   explicit SurfaceScene(const std::vector<Surface>& surfaces);
 
   bool empty() const { return m_triangles.empty(); }
-  /// Ascending. A crossing of an edge counts once, and so do coinciding triangles of one surface.
+  /// Hits, ascending. A crossing of an edge counts once; so do coinciding triangles of one surface.
   void crossings(const Ray& ray, Interval within, std::vector<TriangleHit>& out) const;
   float opacity(const TriangleHit& hit) const { return m_looks[m_triangles[hit.triangle].look][3]; }
-  /// Its index.
+  /// Index of the surface that was hit.
   int surface(const TriangleHit& hit) const { return m_triangles[hit.triangle].look; }
   SurfacePoint point(const Ray& ray, const TriangleHit& hit) const;
   std::size_t bytes() const;
