@@ -20,7 +20,7 @@ Background parse_background(const std::string& text);
 /// Colours that have names.
 std::vector<std::string> background_names();
 
-/// Whether dark words are more legible on it than pale ones.
+/// True if dark words are more legible on it than pale ones.
 bool is_light(const Background& background);
 
 /// The picture over the background, opaque from now on; a transparent one changes nothing. Squares

@@ -10,14 +10,14 @@ namespace supple {
 struct ScalarRange {
   double lo = 0, hi = 1;
 };
-/// Of the values that are there; 0…1 without any.
+/// Range of the values that are numbers; 0…1 without any.
 ScalarRange range_of(const std::vector<float>& values);
 
 /// Ticks at multiples of 1, 2 or 5 times a power of ten, four to eight of them.
 std::vector<double> legend_ticks(const ScalarRange& range);
 
-/// Of an offset by its share of the longest, 0 to 1: part of magma from light to dark, uniform in
-/// perceived lightness, so that tissue at rest is light and keeps its relief.
+/// Colour of an offset by its share of the longest, 0 to 1: part of magma from light to dark,
+/// uniform in perceived lightness, so that tissue at rest is light and keeps its relief.
 Rgb offset_colour(double share);
 
 /// Red, green, blue = (1 + normal) / 2 of L, P, S; transparent where there is none.

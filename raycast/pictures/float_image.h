@@ -19,14 +19,14 @@ struct FloatImage {
   bool has_alpha = true;
   std::vector<float> rgba;  // 4 * (y * width + x); premultiplied sRGB; highlights may pass 1
 
-  /// Of the sample at which the opacity of a ray passes one half, or of its maximum; empty unless
-  /// asked for, NaN where there is none.
+  /// Values at the sample where the opacity of a ray passes one half, or at its maximum; empty
+  /// unless asked for, NaN where there is none.
   std::vector<float> depth_mm;    // from the camera, along its view
   std::vector<float> normal_lps;  // 3 per pixel: unit, towards the viewer
   std::vector<float> offset_mm;   // length of the offset, 0 where tissue is at rest
   std::vector<int> surface;       // index of the surface that is seen; -1: the volume, or nothing
 
-  /// Of a film, filled by screen_motion(): pixels to the right and upwards, 2 per pixel.
+  /// Motion in a film, filled by screen_motion(): pixels to the right and upwards, 2 per pixel.
   std::vector<float> forward_px;   // to the next picture
   std::vector<float> backward_px;  // to the one before
   std::vector<float> id;           // label of the tissue, or number of the mesh; 0: none
@@ -48,7 +48,7 @@ std::vector<std::uint16_t> to_16_bit(const FloatImage& picture);
 /// The inverse of to_image where the opacity is not 0; without auxiliary channels.
 FloatImage to_float(const Image& image);
 
-/// Straight 16 bits; otherwise as write_png, not committed.
+/// Writes straight 16 bits; otherwise as write_png(), not committed.
 void write_png16(const AtomicFile& target, const FloatImage& picture, const std::string& comment);
 
 /// A matrix that a row vector is multiplied with from the left, row by row.

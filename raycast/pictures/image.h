@@ -20,9 +20,9 @@ struct Image {
 
 class AtomicFile;
 
-/// Atomic; `comment` goes into a tEXt chunk (effective configuration). Throws as AtomicFile.
+/// Atomic write; `comment` goes into a tEXt chunk (effective configuration). Throws as AtomicFile.
 void write_png(const std::string& path, const Image& image, const std::string& comment = "");
-/// Without committing it.
+/// Writes the file without committing it.
 void write_png(const AtomicFile& target, const Image& image, const std::string& comment);
 /// Grey, RGB and palette images are expanded. Throws InputError.
 Image read_png(const std::string& path);
