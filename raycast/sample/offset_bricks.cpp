@@ -180,7 +180,7 @@ void OffsetBricks::take_over(const VectorBricks& offsets) {
   join_valid();
 }
 
-/// Whether all voxels of the source that the cells of brick b touch are valid, and one of its own.
+/// True if brick b has valid voxels, and all source voxels that its cells touch are valid.
 bool OffsetBricks::is_covered(std::size_t b, const BrickTopology& valid) const {
   for (int n = 0; n < 8; ++n) {
     const Vec3i origin = m_index.origin(b) + cell_corner(n) * kBrickDim;
@@ -196,7 +196,7 @@ bool OffsetBricks::is_covered(std::size_t b, const BrickTopology& valid) const {
 
 void OffsetBricks::gather(const std::vector<std::size_t>& bricks,
                           const VectorBrickFinder& offsets) {
-  // In chunks, whose bricks all have slots until those turn out not to be needed.
+  // Bricks are gathered in chunks, all of which have slots until those turn out not to be needed.
   constexpr std::size_t kChunk = 512;
   m_offsets.reserve(bricks.size());
   std::vector<std::int32_t> found(kChunk);
@@ -218,7 +218,7 @@ void OffsetBricks::gather(const std::vector<std::size_t>& bricks,
   }
 }
 
-/// Fills the slot of brick b and says what it needs it for.
+/// Fills the slot of brick b and returns what the brick is: kDeformed if it needs the slot.
 std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& offsets) {
   const Vec3i& origin = m_index.origin(b);
   const VectorBrickView view = offsets(origin);
@@ -240,7 +240,7 @@ std::int32_t OffsetBricks::gather_brick(std::size_t b, const VectorBrickFinder& 
   return is_straight(b, nodes) ? kIdentity : nodes.empty() ? kEmpty : kDeformed;
 }
 
-/// Whether samples of brick b read where they are, or nothing.
+/// True if samples in brick b read the source where they are, or read nothing.
 bool OffsetBricks::is_straight(std::size_t b, const BrickNodes& nodes) const {
   return nodes.is_identity() || (nodes.is_zero && m_beneath[b] < 0);
 }
@@ -272,7 +272,7 @@ void OffsetBricks::set_pointwise(std::shared_ptr<const PointwiseOffsets> pointwi
   m_valid_bounds = bricks.active_bounds();
 }
 
-/// Whether pointwise brick n has cells that are interpolated, whose offsets are in this slot.
+/// Notes the slot of pointwise brick n's interpolated offsets; false if none are interpolated.
 bool OffsetBricks::keep_interpolated(std::size_t n, std::int32_t slot) {
   const BrickMask* cells = m_pointwise->interpolated(n);
   if (m_node_spacing > 1 || cells == nullptr || mask_count(*cells) == 0) return false;
@@ -315,7 +315,7 @@ void OffsetBricks::find_pointwise_ranges(const std::vector<std::size_t>& bricks)
   });
 }
 
-/// False where it is void or pointwise.
+/// The piece at a place of a pointwise brick; -1 where the place is void or not pointwise.
 int OffsetBricks::piece_at(const Vec3d& place) const {
   const std::int32_t b = m_pointwise->bricks().find(floor_voxel(place));
   PointwiseOffsets::Sample found;

@@ -41,13 +41,13 @@ class OffsetBricks {
   bool is_identity(std::size_t b) const { return m_states[b] == kIdentity; }
   bool is_deformed(std::size_t b) const { return m_states[b] >= kDeformed; }
   bool is_pointwise(std::size_t b) const { return m_states[b] <= kPointwise; }
-  /// Null: there are no pointwise bricks.
+  /// The pointwise offsets; null: there are no pointwise bricks.
   const PointwiseOffsets* pointwise() const { return m_pointwise.get(); }
-  /// The piece of theirs that lies at a place of a pointwise brick, or -1.
+  /// The pointwise offsets' piece that lies at a place of a pointwise brick, or -1.
   int piece_at(const Vec3d& place) const;
-  /// Which of their bricks a pointwise brick is.
+  /// Number of a pointwise brick among the bricks of the pointwise offsets.
   std::size_t pointwise_brick(std::size_t b) const { return std::size_t(kPointwise - m_states[b]); }
-  /// Of each pointwise brick: its place among offsets(), or -1, and its cells in which these are
+  /// For each pointwise brick, its place among offsets(), or -1, and its cells in which these are
   /// interpolated. Null: in none.
   const std::int32_t* pointwise_slots() const {
     return m_pointwise_slots.empty() ? nullptr : m_pointwise_slots.data();

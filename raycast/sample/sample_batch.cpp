@@ -6,7 +6,7 @@
 #define HWY_TARGET_INCLUDE "raycast/sample/sample_batch.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-// Not above: foreach_target.h comes first.
+// This include is not above: foreach_target.h comes first.
 #include "raycast/sample/sample_nodes-inl.h"
 #include "raycast/sample/sample_offsets-inl.h"
 
@@ -29,7 +29,7 @@ HWY_INLINE HWY_ATTR VI read_shared(const std::int32_t* table, VI index, MI wante
   return hn::GatherIndex(kInts, table, index);
 }
 
-/// Where the tables of a look-up hold what is said about voxels' bricks, and of which.
+/// Places of voxels' bricks in the tables of a look-up; `found`: lanes whose tables are there.
 struct Places {
   VI place;
   MI found;
@@ -56,7 +56,7 @@ HWY_INLINE HWY_ATTR Places find_places(const BrickLookup& lookup, const IntVecto
   return {hn::IfThenElseZero(found, place), found};
 }
 
-/// kSkip where there is no brick.
+/// Entries of the tables at these places; kSkip where there is no brick.
 HWY_INLINE HWY_ATTR VI entries_at(const BrickLookup& lookup, const Places& places) {
   const VI entry = hn::GatherIndex(kInts, lookup.tables, places.place);
   return hn::IfThenElse(places.found, entry, ints(SamplingTables::kSkip));

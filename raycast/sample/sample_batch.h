@@ -27,8 +27,8 @@ struct SamplingTables {
 
   static constexpr std::int32_t kGatherSpan = 400'000;  // bytes between them fit into 31 bits
 
-  // In place of brick numbers: kSkip, a source brick (of an identity brick the one beneath), or one
-  // of those two.
+  // Tables that hold, in place of brick numbers: kSkip, a source brick (of an identity brick the
+  // one beneath), or a pointwise or deformed brick.
   BrickLookup output, source;
   const float* output_highest = nullptr;  // largest code that an output brick can read, laid out
                                           // as output.tables; null where none is asked for
@@ -39,8 +39,8 @@ struct SamplingTables {
   bool is_cubic = false;                // SourceBricks::interpolation
 
   const PointwiseOffsets* pointwise = nullptr;
-  // Of its bricks: slots of those that have cells in which offsets are interpolated, or -1, and
-  // these cells.
+  // For each brick of theirs: the slot if some cells have interpolated offsets, or -1; and these
+  // cells.
   const std::int32_t* pointwise_slots = nullptr;
   const BrickMask* interpolated = nullptr;
 
@@ -105,7 +105,7 @@ void sample_gradients(const SamplingTables& tables, SampleBatch& batch, std::uin
 
 /// Instruction set that the calls above use, for example "AVX3".
 const char* sampling_instruction_set();
-/// Those that this machine has, best first.
+/// Instruction sets that this machine has, best first.
 std::vector<std::string> sampling_instruction_sets();
 /// For comparisons: one of the above from now on, in all threads; "" the best again.
 void choose_sampling_instruction_set(const std::string& name);

@@ -190,7 +190,7 @@ HWY_INLINE HWY_ATTR VF read_cubic_density(const NodeReader& nodes, const FloatVe
   return sum;
 }
 
-/// Its derivative.
+/// The derivative of the tricubic density.
 HWY_INLINE HWY_ATTR FloatVector read_cubic_gradient(const NodeReader& nodes, const FloatVector& f) {
   const VF linear = read_density(nodes, f).value;
   const CubicWeights x(f.x), y(f.y), z(f.z);

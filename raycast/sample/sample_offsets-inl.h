@@ -1,4 +1,4 @@
-// Where the offsets of lanes lead: from the nodes of deformed bricks, or found by each lane itself.
+// Offsets of lanes: read from the nodes of deformed bricks, or found by each lane itself.
 #if defined(SUPPLE_RAYCAST_SAMPLE_OFFSETS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef SUPPLE_RAYCAST_SAMPLE_OFFSETS_INL_H
 #undef SUPPLE_RAYCAST_SAMPLE_OFFSETS_INL_H
@@ -41,7 +41,7 @@ HWY_INLINE HWY_ATTR VF in_wide_cell(VI voxel, VF f) {
   return hn::Mul(floats(0.5f), hn::Add(f, hn::ConvertTo(kFloats, hn::And(voxel, ints(1)))));
 }
 
-/// Where lanes lie among the nodes of their slots, `dim` along every axis.
+/// Stores the places of lanes among the nodes of their slots, `dim` along every axis.
 HWY_INLINE HWY_ATTR void store_offset_cells(int dim, VI slot, IntVector voxel, FloatVector f,
                                             int at, SampleBatch& batch) {
   const VI low = ints(7);
@@ -111,8 +111,8 @@ HWY_INLINE HWY_ATTR void find_offsets(const SamplingTables& tables, std::uint32_
   }
 }
 
-/// Of the lanes in pointwise bricks those whose cells are interpolated become lanes of deformed
-/// ones.
+/// Turns the lanes of pointwise bricks whose cells are interpolated into lanes of deformed bricks:
+/// their entries become slots.
 HWY_INLINE HWY_ATTR void interpolate_cells(const SamplingTables& tables, std::uint32_t lanes,
                                            const IntVector& voxel, VI& entry) {
   alignas(64) std::int32_t entries[SampleBatch::kLanes], cells[SampleBatch::kLanes];

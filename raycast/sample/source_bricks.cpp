@@ -85,7 +85,7 @@ void SourceBricks::fill_all() {
   m_density = DensityGrid();
 }
 
-/// Of all bricks, whose densities are read for it.
+/// Finds the extremes of all bricks by reading their densities.
 std::vector<BrickExtremes> SourceBricks::look_for_extremes() const {
   std::vector<BrickExtremes> extremes(m_topology.brick_count());
   const std::vector<float> background(kBrickVoxels, m_density.background());

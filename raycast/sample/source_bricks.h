@@ -44,7 +44,7 @@ class SourceBricks {
   explicit SourceBricks(const DensityGrid& density,
                         Interpolation interpolation = Interpolation::linear)
       : SourceBricks(density, density.bricks(), interpolation) {}
-  /// Sampled where `where` is active; its voxels that are inactive in the grid hold the background.
+  /// Samples where `where` is active; its voxels that are inactive in the grid hold the background.
   SourceBricks(const DensityGrid& density, const BrickTopology& where,
                Interpolation interpolation = Interpolation::linear);
 
@@ -61,7 +61,7 @@ class SourceBricks {
     return &m_nodes[b * kBrickNodes + (local.x + 1) * kStepX + (local.y + 1) * kStepY + local.z +
                     1];
   }
-  /// Of all bricks; those that ensure() was asked for are filled.
+  /// Nodes of all bricks; those of bricks that ensure() was asked for are filled.
   const std::int16_t* nodes() const { return m_nodes.get(); }
   /// Encoded densities that samples in the cells of brick b can take.
   const EncodedRange& range(std::size_t b) const { return m_ranges[b]; }
