@@ -36,7 +36,7 @@ const NamedView& find_view(const std::string& name) {
   throw InputError({"", "camera view", name, "one of " + known});
 }
 
-/// Of the picture: mm, or of a perspective one at unit distance.
+/// Half the height of the picture: mm, or of a perspective one at unit distance.
 double half_height(const Camera& camera) {
   return camera.projection == Projection::orthographic ? camera.height_mm / 2
                                                        : half_height_at_unit_distance(camera);

@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// Free on each side of a picture that is framed, as a part of it.
+/// Margin on each side of a framed picture, as a part of its size.
 constexpr double kFramingMargin = 0.05;
 
 enum class Projection { perspective, orthographic };
@@ -46,8 +46,8 @@ CameraFrame camera_frame(const Camera& camera);
 /// Half the height of a perspective picture at a distance of 1 along the view.
 double half_height_at_unit_distance(const Camera& camera);
 
-/// Magnified about the middle of the picture by `factor` > 0: a narrower angle or less height, from
-/// the same place.
+/// The camera magnified about the middle of its picture by `factor` > 0: a narrower angle or less
+/// height, from the same place.
 Camera zoomed(const Camera& camera, double factor);
 
 /// The rays of one picture, from its pixels and back.

@@ -13,11 +13,11 @@ namespace supple {
 /// factor in the same time. Angle and height change evenly, the magnification by factors.
 class CameraPath {
  public:
-  /// Times ascend, of each kind. The place is that of eye, target and upwards.
+  /// Adds a key of eye, target and upwards. Times of the keys of one kind ascend.
   void add_place(double time, const Camera& camera, Easing easing);
   void add_fov(double time, double degrees, Easing easing) { m_fov.add(time, degrees, easing); }
   void add_height(double time, double mm, Easing easing) { m_height.add(time, mm, easing); }
-  /// About the patient's axis through the target, as turned_about_target().
+  /// Adds a turn about the patient's axis through the target, as turned_about_target().
   void add_turn(double time, double degrees, Easing easing) { m_turn.add(time, degrees, easing); }
   void add_zoom(double time, double factor, Easing easing);
 

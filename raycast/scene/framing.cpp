@@ -24,7 +24,7 @@ struct Extent {
   double length() const { return hi - lo; }
 };
 
-/// What points want of a camera of one direction. With r, u, f along right, up and forward a
+/// Place that points need of a camera of one direction. With r, u, f along right, up and forward a
 /// perspective camera at (cr, cu, cf) sees a point between its sides, of tangents t to the left and
 /// s to the right, where -t (f - cf) <= r - cr <= s (f - cf), that is r - s f <= cr - s cf and
 /// cr + t cf <= r + t f; so with A the largest r - s f and B the least r + t f it may go as far as
@@ -96,7 +96,7 @@ class PointsInView {
   std::array<double, 2> m_low_side = {-kEndless, -kEndless}, m_high_side = {kEndless, kEndless};
 };
 
-/// Every point on its circle about the axis. The places of a circle lie mirrored to the view, so
+/// Frames every point on its circle about the axis. A circle's places lie mirrored to the view, so
 /// that the camera's central ray meets the axis.
 Camera framed_turntable(const Camera& camera, double aspect, const std::vector<Vec3d>& points,
                         const FramingMargins& margins) {

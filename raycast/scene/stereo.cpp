@@ -11,7 +11,7 @@ namespace supple {
 
 namespace {
 
-/// Of the distance to the target; 1 to 2 degrees of disparity are comfortable.
+/// Eye separation in distances to the target; 1 to 2 degrees of disparity are comfortable.
 constexpr double kSeparationShare = 1.0 / 30;
 
 using Matrix = std::array<std::array<float, 3>, 3>;

@@ -26,7 +26,7 @@ ViewVolume::ViewVolume(const Geometry& slice, double thickness_mm, const Geometr
                             slice.world_from_index(Vec3d(0)), geometry);
 }
 
-/// Of planes in LPS, relative to a place.
+/// Takes planes in LPS, relative to a place, to the index frame.
 std::vector<ViewVolume::Plane> ViewVolume::in_index_frame(std::vector<Plane> planes,
                                                           const Vec3d& from_lps_mm,
                                                           const Geometry& geometry) {

@@ -1,4 +1,4 @@
-// What a picture shows of the lattice: work that it needs there alone ends at its edges.
+// The part of the lattice that a picture shows: work for the picture alone ends at its edges.
 #pragma once
 
 #include <vector>
@@ -12,15 +12,15 @@ class ViewVolume {
   /// The pyramid, or of an orthographic camera the box, of all rays of a picture. `aspect`: width
   /// over height of the picture.
   ViewVolume(const Camera& camera, double aspect, const Geometry& geometry);
-  /// What lies within half of a thickness of the plane of a slice's grid, on both sides.
+  /// The slab within half of a thickness of the plane of a slice's grid, on both sides.
   ViewVolume(const Geometry& slice, double thickness_mm, const Geometry& geometry);
 
-  /// Whether a box of the index frame may be seen. True for all boxes that a ray passes through,
-  /// and for some near the edges of the pyramid.
+  /// True if a box of the index frame may be seen: for all boxes that a ray passes through, and for
+  /// some near the edges of the pyramid.
   bool meets(const Vec3d& lo, const Vec3d& hi) const;
 
  private:
-  /// What is seen has normal * p >= least.
+  /// Places p that are seen have normal * p >= least.
   struct Plane {
     Vec3d normal;
     double least;
