@@ -9,7 +9,7 @@ namespace supple {
 
 namespace {
 
-/// That of the nearest voxel where the corners of its cell are not all known; 0 far from the body.
+/// Displacement; the nearest voxel's where corners of the cell are unknown; 0 far from the body.
 Vec3d displacement_at(const Displacement* displacement, const Vec3d& pos_index) {
   if (displacement == nullptr) return Vec3d(0);
   Vec3d u(0);
@@ -56,7 +56,7 @@ std::vector<float> screen_motion(const FloatImage& picture, const std::vector<Ve
     Vec3d place = place_seen(picture, rays, forward, n);
     const int surface = picture.surface.empty() ? -1 : picture.surface[n];
     if (surface < 0 || !moves || moves(surface)) {
-      // The difference, so that what rests does so whatever the residual of the inversion.
+      // The difference of both keeps resting tissue at rest whatever the inversion's residual.
       const Vec3d step = displacement_at(then.displacement, rest_places[n]) -
                          displacement_at(now.displacement, rest_places[n]);
       place += geometry.world_vector_from_index(step);

@@ -18,7 +18,7 @@ struct FilmedBody {
   const Displacement* displacement;  // null: at rest
 };
 
-/// Where the tissue seen in a pixel was at rest, in voxels. NaN where nothing is seen, see
+/// Places at rest of the tissue seen in the pixels, in voxels. NaN where nothing is seen, see
 /// FloatImage. `offsets`: those that the picture was drawn with; null: at rest.
 std::vector<Vec3d> rest_places(const FloatImage& picture, const Camera& camera,
                                const Geometry& geometry, const OffsetField* offsets);

@@ -82,7 +82,7 @@ std::unique_ptr<ProgressiveRender> ProgressiveRender::follow() const {
   return next;
 }
 
-/// Since it was begun; null: everything may have changed.
+/// Bricks that have changed since it was begun; null: everything may have changed.
 std::optional<std::vector<std::size_t>> ProgressiveRender::changed_bricks() const {
   return m_version ? m_renderer.changed_since(*m_version) : std::nullopt;
 }

@@ -56,7 +56,7 @@ class ProgressiveRender {
   std::optional<std::vector<std::size_t>> changed_bricks() const;
   void take_over(const ProgressiveRender& before);
 
-  /// What a finished picture keeps of its context.
+  /// The part of its context that a finished picture keeps.
   struct Followed {
     std::vector<std::uint8_t> visible;  // per brick
     Vec3d box_lo, box_hi;
