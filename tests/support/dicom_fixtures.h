@@ -53,7 +53,7 @@ std::string ds(const std::vector<double>& numbers);  // separated by backslashes
 
 /// All values, i fastest, as numbers after slope and intercept.
 std::vector<double> values_of(VolumeFile& file);
-/// What values_of must be for `series` with this rescale.
+/// The values that values_of() must find in `series` with this rescale.
 std::vector<double> expected_values(const SeriesFixture& series, double slope = 1,
                                     double intercept = 0);
 void expect_geometry(const Geometry& found, const Geometry& expected, double tolerance = 1e-6);

@@ -17,7 +17,7 @@ void require(bool done) {
   if (!done) throw std::runtime_error("JPEG 2000 could not be written");
 }
 
-/// What OpenJPEG writes; it goes back to fill in lengths.
+/// The bytes that OpenJPEG writes; it goes back to fill in lengths.
 struct Sink {
   std::string bytes;
   std::size_t at = 0;

@@ -6,9 +6,9 @@
 
 namespace supple::test {
 
-/// Of the InputError; "" when it throws none.
+/// Text of the InputError that the action throws; "" when it throws none.
 std::string input_error(const std::function<void()>& action);
-/// Of any Error; "" when it throws none.
+/// Text of any Error that the action throws; "" when it throws none.
 std::string error_of(const std::function<void()>& action);
 
 }  // namespace supple::test

@@ -20,7 +20,7 @@ inline Voxel key(const Vec3i& v) {
   return {v.x, v.y, v.z};
 }
 
-/// Active where `inside` says so, in the box lo to hi.
+/// The voxels of the box lo to hi for which `inside` is true.
 inline BrickTopology topology_where(const Vec3i& lo, const Vec3i& hi,
                                     const std::function<bool(const Vec3i&)>& inside) {
   std::vector<Vec3i> origins;

@@ -9,7 +9,7 @@
 
 namespace supple::test {
 
-/// For one thread; ends with it.
+/// Runs a program by a fork server, for one thread; it ends with the thread.
 class Forks {
  public:
   /// `library`: the built fork_server.cpp. Throws std::runtime_error.

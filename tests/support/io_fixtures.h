@@ -77,7 +77,7 @@ std::string failure_of_warp(const std::string& path);
 /// The file must fail with a single short line that holds all of `parts`.
 void expect_failure(const std::string& path, const std::vector<std::string>& parts,
                     const ReadOptions& options = {});
-/// What `line` says of `path` must hold all of `parts`.
+/// Expects an error `line` about `path` that holds all of `parts`.
 void expect_parts(const std::string& path, const std::string& line,
                   const std::vector<std::string>& parts);
 

@@ -45,7 +45,7 @@ constexpr int kForOutput = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
   ::_exit(127);
 }
 
-/// By a server that this thread keeps; nothing where the tests are run without.
+/// Status of a run by this thread's fork server; nothing where the tests are run without one.
 std::optional<int> status_of_fork(const std::vector<std::string>& arguments,
                                   const RunOptions& options, const std::string& out,
                                   const std::string& err) {
@@ -81,7 +81,7 @@ int most_threads(pid_t child) {
   }
 }
 
-/// In a process of its own: the status, and the most threads where they are asked for.
+/// Status of a run in a process of its own, and its most threads where they are asked for.
 int status_of_start(const std::vector<std::string>& arguments, const RunOptions& options,
                     const std::string& out, const std::string& err, int& threads) {
   const pid_t child = ::fork();

@@ -40,7 +40,7 @@ void write_ball(const TemporaryFolder& folder, const std::string& name, int size
 void write_soft_material(const std::string& path);
 
 std::string source_dir();
-/// Of the values of the head CT, whose place a phantom takes offline.
+/// Digest of the values of the head CT, whose place a phantom takes offline.
 constexpr const char* kHeadCtSha256 =
     "d87fd5e6aaf2c4fdf4f3fe28ee3335192fc2464ed8e9682fc78530cb837938da";
 /// A public volume: in build/data, or of Debian's package mricron-data; "" where it is in neither.

@@ -164,7 +164,7 @@ inline bool same_densities(const DensityGrid& a, const DensityGrid& b) {
   return true;
 }
 
-/// Bit for bit.
+/// True if the states are equal bit for bit.
 inline bool same_state(const State& a, const State& b) {
   return a.geometry == b.geometry && same_densities(a.density, b.density) &&
          a.elements == b.elements && a.q == b.q && a.rest == b.rest &&

@@ -1,5 +1,5 @@
-// What tests do differently in a build with sanitizers, where they take ten times as long and look
-// for errors of memory: figures are looked at elsewhere.
+// Differences of tests in a build with sanitizers, where they take ten times as long and look for
+// errors of memory: figures are looked at elsewhere.
 #pragma once
 
 namespace supple::test {
