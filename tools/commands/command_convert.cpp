@@ -31,7 +31,7 @@ VolumeOpener opener_of(const ConvertOptions& options) {
   };
 }
 
-/// Whether a name has a place for a number, %d or %02d.
+/// True if a name has a place for a number, %d or %02d.
 bool has_number(const std::string& name) {
   const std::size_t percent = name.find('%');
   if (percent == std::string::npos) return false;

@@ -16,7 +16,7 @@ namespace supple::tools {
 
 namespace {
 
-/// What every filter has.
+/// Options that every filter has.
 struct FilterOptions {
   std::string input, output;
   ReadOptions read;

@@ -86,7 +86,7 @@ std::string kind_of(const Field& field) {
   return field.placeholder() + (field.unit().empty() ? "" : " in " + field.unit());
 }
 
-/// Nothing where only scenes have the key, or where the option is one of a command's own.
+/// The option of a key; empty where only scenes have the key, or commands have their own option.
 std::string option_of(const KeyTable& table, const Field& field) {
   static const std::set<std::string> kSceneTables = {
       "light",       "grab",    "motion", "path",  "function", "film",     "event",

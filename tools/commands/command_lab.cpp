@@ -22,7 +22,7 @@ int run_lab(const GlobalOptions& global) {
   become_program(program, global.arguments);
 }
 
-/// For the plans of this user's scenes.
+/// Measures and writes the unit costs for the plans of this user's scenes.
 int run_calibration(const GlobalOptions& global, Console& console) {
   const std::string path = calibration_file();
   if (path.empty()) {

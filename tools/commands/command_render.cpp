@@ -144,7 +144,7 @@ Scene to_scene(RenderOptions& options) {
   return read_scene(given.scene());
 }
 
-/// What only a state has.
+/// Refuses options that only a state has where the input is a volume.
 void check_options(const Scene& scene) {
   if (is_state_file(scene.volume_path)) return;
   const SceneView& view = scene.views.front();

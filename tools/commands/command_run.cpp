@@ -88,7 +88,7 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
   }
 }
 
-/// Which frames are to be made; the files of incomplete ones may be there.
+/// Chooses the frames to be made; the files of incomplete ones may be there.
 void choose_frames(Scene& scene, const RunSceneOptions& options, GlobalOptions& global) {
   if (!scene.film) {
     if (!options.resume && options.frames.empty()) return;

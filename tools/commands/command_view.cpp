@@ -60,7 +60,7 @@ class Doorway {
   Doorway(const Doorway&) = delete;
   Doorway& operator=(const Doorway&) = delete;
 
-  /// With what the system opens pages with; without a display that would be a terminal.
+  /// Opens the page by xdg-open. Without a display that might be in a terminal, so nothing opens.
   void open() const {
     const bool has_display = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY");
     if (m_path.empty() || !has_display) return;

@@ -21,7 +21,7 @@ struct MovedPlaces {
   std::vector<Vec3d> positions() const;
 };
 
-/// Stage "moving" of the console.
+/// Moves all points, in the stage "moving" of the console.
 MovedPlaces move_all(const PointMotion& motion, const std::vector<Vec3d>& points_lps_mm,
                      Console& console);
 
