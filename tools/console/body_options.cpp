@@ -32,7 +32,7 @@ void set_anchors(const BodyOptions& options, SceneOptions& scene) {
   for (const auto& [key, list] : lists) scene.set("step", key, list, "--fix");
 }
 
-/// What --remove and --rigid choose.
+/// Sets the keys for the parts that --remove, --rigid and --rigid-seed choose.
 void set_parts(const BodyOptions& options, SceneOptions& scene) {
   const auto set = [&](const char* key, const char* option, const std::vector<std::string>& texts,
                        const auto& value_of) {

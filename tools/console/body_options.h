@@ -18,8 +18,8 @@ struct BodyOptions {
 
 void add_body_options(CLI::App& app, BodyOptions& options);
 
-/// As keys of the scene's volume, labels, material and step, whose tables it has. Throws
-/// UsageError.
+/// Sets the options as keys of the scene's volume, labels, material and step, whose tables it has.
+/// Throws UsageError.
 void set_body(const BodyOptions& options, SceneOptions& scene);
 
 }  // namespace supple::tools

@@ -36,7 +36,7 @@ class Console final : public Progress {
   explicit Console(const GlobalOptions& options);
   ~Console() override;
 
-  /// Of one of several inputs, where the others are worked on all the same.
+  /// Prints an error of one of several inputs, where the others are worked on all the same.
   void error(const std::string& line);
   void warn(const std::string& line) override;
   void note(const std::string& line) override;
@@ -52,7 +52,7 @@ class Console final : public Progress {
   /// Holds the names of files that are going to be written, so that no other process writes them
   /// meanwhile. Throws as ReservedNames.
   void claim(const std::vector<std::string>& outputs);
-  /// Notes which of them are there, with size and time since the start.
+  /// Notes which outputs are there, with size and time since the start.
   void tell_outputs();
   /// Ends the line of progress, before results are printed.
   void clear_line();

@@ -58,7 +58,7 @@ class SceneOptions {
   std::map<std::string, std::string> m_names;  // full name of a key to its option
 };
 
-/// Whether the text is meant as a table, "{ … }".
+/// True if the text is meant as a table, "{ … }".
 bool is_table(const std::string& text);
 /// One table as it stands in a scene. Throws UsageError naming the option for anything else.
 Value table_value(const std::string& option, const std::string& text);

@@ -9,7 +9,7 @@ namespace supple::tools {
 
 namespace {
 
-/// Whether the text starts with the prefix, which is then taken off.
+/// Takes the prefix off the text; false if the text does not start with it.
 bool take_prefix(const std::string& prefix, std::string& text) {
   if (text.compare(0, prefix.size(), prefix) != 0) return false;
   text.erase(0, prefix.size());

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kNameColumns = 34;
 
-/// Characters, of which UTF-8 takes several bytes.
+/// Number of characters, of which UTF-8 takes several bytes.
 std::size_t columns_of(const std::string& text) {
   std::size_t count = 0;
   for (const char c : text) count += (static_cast<unsigned char>(c) & 0xC0) != 0x80;

@@ -23,7 +23,7 @@ NamedFile named_file(const std::string& option, const std::string& text);
 IndexBox parse_box(const std::string& option, const std::string& text);
 /// N of "label:N", 1 to 65535 or a name; nothing when the text does not start with "label:".
 std::optional<std::string> parse_label(const std::string& option, const std::string& text);
-/// Whether a material is a preset, not a file. Throws InputError with the nearest name where it is
+/// True if a material is a preset, not a file. Throws InputError with the nearest name where it is
 /// neither.
 bool is_tissue_preset(const std::string& option, const std::string& text);
 

@@ -47,7 +47,7 @@ void add_global_options(CLI::App& program, GlobalOptions& options) {
       ->group(group);
 }
 
-/// One line on stderr whatever the message holds.
+/// Prints one line on stderr, whatever the message holds.
 int fail(int exit_code, const std::string& message) {
   std::fprintf(stderr, "supple: error: %s\n", one_line(message).c_str());
   return exit_code;
