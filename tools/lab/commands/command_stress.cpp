@@ -18,7 +18,7 @@ bool has_extension(const std::string& path, const char* extension) {
   return std::filesystem::path(path).extension() == extension;
 }
 
-/// Before the first row.
+/// Claims the outputs before the first row.
 void claim_outputs(const std::vector<std::string>& outputs, const GlobalOptions& global,
                    Console& console) {
   OutputPlan plan(global.force);
@@ -33,7 +33,7 @@ void claim_outputs(const std::vector<std::string>& outputs, const GlobalOptions&
   console.claim(plan.files());
 }
 
-/// For one that runs all: measured values alone, on stdout.
+/// Runs one row for a program that runs all: prints its measured values alone, on stdout.
 int run_one(const StressCommand& given, Console& console) {
   const StressCell cell = stress_cell_named(given.row);
   if (given.options.folder.empty()) throw UsageError("--row: needs --keep, a folder for its files");

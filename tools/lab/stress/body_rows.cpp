@@ -16,7 +16,7 @@ namespace {
 
 /// Offsets are stored in steps of 2^-16 voxel.
 constexpr double kOffsetStep = 2.0 / 65536;
-/// Of the handle's way: what rounding adds to an element that goes all of it.
+/// Bound on ways in ways of the handle: rounding adds to those of elements that go all of it.
 constexpr double kWholeWay = 1.0001;
 
 /// The scene of the input, run.
@@ -52,8 +52,8 @@ double largest_of(const Vec3d& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// How far elements went, in mm along the grid axes, of the handle's way; whether the handle is
-/// where it was taken, after `part` of its way, and what is fixed where it was.
+/// Measures how far elements went, in mm along the grid axes, of the handle's way; whether the
+/// handle is where it was taken, after `part` of its way, and what is fixed where it was.
 void measure_places(const StressInput& input, const Body& body, double part, double most,
                     MeasuredValues& all) {
   const Vec3d spacing = body.geometry.spacing_mm();
@@ -70,7 +70,7 @@ void measure_places(const StressInput& input, const Body& body, double part, dou
   all.push_back({"fixed elements moved, voxels", fixed_voxels, 0, 0});
 }
 
-/// Links beyond their limits, and whether a result that is not what was asked for was told.
+/// Counts links beyond their limits; checks that a result other than what was asked for was told.
 void measure_links(const Session& session, bool must_hold, bool is_all, MeasuredValues& all) {
   const double violated = double(check_links(session.body()).violated);
   if (must_hold) all.push_back({"links beyond their limits", violated, 0, 0});
@@ -130,7 +130,7 @@ void run_springs_at_rest(const StressInput& input, const std::string& folder, Co
 
 namespace {
 
-/// In s; 10 ms where nothing can swing.
+/// Longest stable step in s; 10 ms where nothing can swing.
 double stable_step_of(const StressInput& input, const std::string& folder, Console& console) {
   const Scene scene = read_scene(write_input(input, folder, false));
   const Session session(scene.volume_path, {scene.material}, &console);
@@ -139,7 +139,7 @@ double stable_step_of(const StressInput& input, const std::string& folder, Conso
   return std::isfinite(stable) ? stable : 0.01;
 }
 
-/// As many steps as make 10 of the longest stable one, 10 to 1000.
+/// Sets a spring step, and a time of 10 of the longest stable steps, in 10 to 1000 steps.
 void choose_spring_steps(StressInput& input, double stable_s) {
   const double step_s = input.spring_step * stable_s;
   const double time_s = step_s * std::clamp(std::round(10 / input.spring_step), 10.0, 1000.0);

@@ -108,7 +108,7 @@ JawReport open_rami(const SessionOptions& options, int drags, Console& console) 
   return told;
 }
 
-/// Of none: all.
+/// Share of the opening drags that reached their end; 1 if there were none.
 double part_opened(const JawReport& told) {
   return told.opening == 0 ? 1 : double(told.opened) / told.opening;
 }

@@ -83,7 +83,7 @@ class RandomOperations {
   Vec3i m_dims;
 };
 
-/// What no operation may break.
+/// Counts of faults that no operation may cause.
 struct LiveFaults {
   double refused = 0, refused_with_change = 0;
   double violated = 0;      // links after operations that keep them
@@ -141,7 +141,7 @@ void carry_out(LiveSession& live, const LiveEvent& event, Console& console, Live
   }
 }
 
-/// The events that led to the error, and that which did not go on, as a journal.
+/// Writes the events that led to the error, and that which did not go on, as a journal.
 void write_journal(const LiveSession& live, const std::string& next, const std::string& folder) {
   replace_text_file(folder + "/journal.toml",
                     toml_document(live.journal()) + "\n[[event]]\n" + next);

@@ -13,7 +13,7 @@ struct MeasuredValue {
   double value = 0;
   double least = 0, most = 0;
 
-  /// A number that is not finite never does.
+  /// True if the value is within its bounds; one that is not finite never is.
   bool holds() const;
 };
 using MeasuredValues = std::vector<MeasuredValue>;

@@ -30,7 +30,7 @@ void measure_file(const StressInput& input, const SceneView& view, const std::st
       {"pixels with something, of all", covered / pixels, input.least_covered, input.most_covered});
 }
 
-/// As the file was drawn, before it became 8 bits.
+/// Draws the picture of the file again, as it was before it became 8 bits.
 FloatImage drawn_again(const Scene& scene, Session& session, Console& console) {
   const SceneView& asked = scene.views.front();
   const State state = session.state();

@@ -54,7 +54,7 @@ struct StressInput {
 std::string toml_text(const Vec3d& v);
 /// One value at all densities, as a curve.
 std::string toml_curve(double value);
-/// Between two densities.
+/// A curve between two densities.
 std::string toml_curve(double density_a, double a, double density_b, double b);
 
 /// Writes volume.nrrd and scene.toml, with pictures if `has_view`, into the folder; returns the

@@ -9,7 +9,7 @@ namespace supple::tools {
 
 namespace {
 
-// What is measured, with its bounds; in the same order as the functions that measure it.
+// Measured quantities with their bounds; in the same order as the functions that measure them.
 constexpr const char* kOfEcm =
     "the handle is where the part of the drag ends that was told, no element goes further than the "
     "handle, what is fixed stays, no link is beyond its limits";

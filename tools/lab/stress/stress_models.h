@@ -1,5 +1,5 @@
-// What `supple stress` runs: every model, the inversion, pictures and a live session, each with
-// what it promises under every extreme that does not name a refusal.
+// The subjects that `supple stress` runs: every model, the inversion, pictures and a live session,
+// each with what it promises under every extreme that does not name a refusal.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace supple::tools {
 
-/// What an extreme changes, and so which models it concerns: limits those that know them, stiffness
-/// those that do, and so on.
+/// Parts of the input. An extreme changes some, and concerns the models that depend on them: limits
+/// those that know limits, and so on.
 enum StressPart : unsigned {
   kOfBody = 1,    // its shape, its grid, its handle, its values
   kOfLimits = 2,  // of links

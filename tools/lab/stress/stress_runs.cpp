@@ -22,7 +22,7 @@ class RowFolders {
     if (kept.empty()) m_root = m_scratch.emplace().path();
   }
 
-  /// Empty.
+  /// Makes an empty folder for a row.
   std::string make(const StressCell& cell) const {
     const fs::path folder = m_root / cell.extreme->name / cell.model->name;
     fs::remove_all(folder);

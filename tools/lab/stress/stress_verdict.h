@@ -1,4 +1,4 @@
-// What the end of a row says of what was expected of it.
+// The verdict on a row: whether its end agrees with what was expected of it.
 #pragma once
 
 #include <string>

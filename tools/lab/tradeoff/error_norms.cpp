@@ -13,7 +13,7 @@ namespace supple::tools {
 
 namespace {
 
-/// f(slot) of every element.
+/// Calls f(slot) for every element.
 template <class Visit>
 void for_each_element(const State& state, const Visit& visit) {
   for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
@@ -47,7 +47,7 @@ double percentile(std::vector<double>& values, double part) {
   return *place;
 }
 
-/// That of docs/models/relaxation.md under the reference's material, limits or not.
+/// Energy of docs/models/relaxation.md under the reference's material, limits or not.
 double energy_of_links(const State& state, const MaterialTable& material) {
   Body body = make_body(state, material);
   RelaxParams params;

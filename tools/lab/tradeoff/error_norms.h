@@ -29,9 +29,9 @@ class ErrorReference {
   /// Reads a state. Throws InputError as read_state.
   ErrorReference(const std::string& state_path, Progress* progress);
 
-  /// Of another state of the same body. The largest distance is that of all elements, moved or not.
-  /// `distances_mm`: gets that of each element, in the order of the bricks. Throws InputError as
-  /// read_state, and for another grid or other elements.
+  /// Error of another state of the same body. The largest distance is that of all elements, moved
+  /// or not. `distances_mm`: gets that of each element, in the order of the bricks. Throws
+  /// InputError as read_state, and for another grid or other elements.
   ErrorNorms norms_of(const std::string& state_path, Progress* progress,
                       std::vector<float>* distances_mm = nullptr) const;
 

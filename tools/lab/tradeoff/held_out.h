@@ -25,7 +25,7 @@ struct HeldOutChoice {
   bool is_kept = false;
 };
 
-/// Of all kTimes_s as budgets and kErrors_mm as errors, in this order.
+/// Checks the choices for all kTimes_s as budgets and kErrors_mm as errors, in this order.
 std::vector<HeldOutChoice> check_held_out(const std::vector<TradeRow>& rows, double floor_mm);
 
 /// "5 of 8 choices keep ...", of those that there are.

@@ -22,7 +22,7 @@ namespace {
 
 constexpr const char* kStateName = "state.vdb";
 
-/// What the results of a scene depend on, but for the contents of labels and meshes.
+/// Digest of all that a scene's results depend on, but for the contents of labels and meshes.
 std::string inputs_of(const Scene& scene, int threads) {
   std::error_code ignored;
   const auto written = fs::last_write_time(scene.volume_path, ignored).time_since_epoch();
@@ -33,7 +33,7 @@ std::string inputs_of(const Scene& scene, int threads) {
   return sha256_hex(all.data(), all.size()).substr(0, 12);
 }
 
-/// As one types it.
+/// The command line as one types it.
 std::string command_line(const std::vector<std::string>& arguments) {
   std::string line = "supple";
   for (const std::string& word : arguments) {
@@ -163,7 +163,7 @@ TradeRow SceneMeasurement::leave_out(const RowSetting& setting, const std::strin
   return row;
 }
 
-/// False where one fails.
+/// Runs all runs of a row; false where one fails.
 bool SceneMeasurement::run_all(TradeRow& row, const RowSetting& setting) {
   AllPhases all;
   double spent_s = 0;
@@ -201,7 +201,7 @@ TradeRow SceneMeasurement::measure(const RowSetting& setting) {
   return row;
 }
 
-/// The state of the reference stays; of others a map of the distances.
+/// Keeps the state of the reference, and of others a map of the distances.
 void SceneMeasurement::compare_states(const RowSetting& setting, TradeRow& row) {
   const std::string state = folder_of(setting) + '/' + kStateName;
   std::vector<float> distances_mm;

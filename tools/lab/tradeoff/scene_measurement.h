@@ -18,7 +18,7 @@
 
 namespace supple::tools {
 
-/// What a row is about: how the scene is solved, or drawn.
+/// Settings of a row: how the scene is solved, or drawn.
 struct RowSetting {
   std::string family;
   double knob = 0;
@@ -29,7 +29,7 @@ struct RowSetting {
   std::string name() const;
 };
 RowSetting to_row(const StepMethod& method);
-/// Of the body as the fastest method leaves it, since only the picture matters.
+/// A row that draws the body as the fastest method leaves it, since only the picture matters.
 RowSetting to_row(const DrawMethod& method);
 
 /// Finite elements to this tolerance are what others are compared with.
@@ -46,19 +46,19 @@ class SceneMeasurement {
   SceneMeasurement(const MeasureOptions& options, const Scene& scene, std::string name,
                    Console& console);
 
-  /// Whether it is a row of the same scene, volume, program and number of threads.
+  /// True if the row is of the same scene, volume, program and number of threads.
   bool is_current(const TradeRow& row) const { return row.inputs == m_inputs; }
-  /// Whether what others are compared with is there.
+  /// True if the reference that others are compared with is there.
   bool has_reference(bool of_drawings) const;
 
   /// All runs of a row, and its error. The reference comes before others. Throws Cancelled, and as
   /// ErrorReference.
   TradeRow measure(const RowSetting& setting);
-  /// One that is left out.
+  /// A row that is left out.
   TradeRow leave_out(const RowSetting& setting, const std::string& reason) const;
 
   double resolution_mm() { return reference().resolution_mm(); }
-  /// Of its pictures, the one that is compared; empty without.
+  /// Path of the row's picture that is compared; empty if it has none.
   std::string picture_of(const RowSetting& setting) const;
 
  private:

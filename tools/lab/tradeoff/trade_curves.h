@@ -1,5 +1,5 @@
-// What charts and tables read from measured points: fronts, and times and errors at values between
-// the points. Pure functions of times in s and errors of any kind.
+// Curves through measured points, for charts and tables: fronts, and times and errors at values
+// between the points. Pure functions of times in s and errors of any kind.
 //
 // Between two points a curve is a straight line in log time and log error, as a work-precision
 // diagram draws it. A curve first loses the points that another one of its own beats in both, so

@@ -14,10 +14,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Finite elements that are at least so exact say how sure the reference is of itself; of drawings,
-/// those of its kind.
+/// Settings at least so exact that their difference from the reference says how sure it is of
+/// itself: the tolerance of finite elements, and the step of drawings.
 constexpr double kTightTolerance = 1e-8, kTightStep = 0.1;
-/// Of the error of voxel elements beside edges of handles and on staircases (docs/models/fem.md).
+/// Error order of voxel elements at edges of handles and on staircases (docs/models/fem.md).
 constexpr double kOrder = 1;
 /// 8 bits per channel: no smaller difference of pictures means anything.
 constexpr double kLeastOfPictures = 1e-5;
@@ -84,7 +84,7 @@ class TradeoffRun {
     scene.floor_picture = floor_of("draw-newton", kTightStep, scene.file, kLeastOfPictures);
   }
 
-  /// Rows of the scene as it was, or of another program.
+  /// Forgets rows of the scene as it was, or of another program.
   void forget_others(const TradeScene& scene, const SceneMeasurement& measurement) {
     const auto is_other = [&](const TradeRow& row) {
       return row.scene == scene.file && !measurement.is_current(row);
@@ -92,7 +92,7 @@ class TradeoffRun {
     m_known.erase(std::remove_if(m_known.begin(), m_known.end(), is_other), m_known.end());
   }
 
-  /// First, since nothing can be said of others without it; false where it fails.
+  /// Measures the reference first, since others are judged by it; false where it fails.
   bool measure_reference(SceneMeasurement& measurement, const RowSetting& setting) {
     tell(setting);
     const bool is_there = measurement.has_reference(setting.is_drawing);
@@ -136,7 +136,7 @@ class TradeoffRun {
     return "";
   }
 
-  /// As this call says, whatever an earlier one did; rows of scenes that it does not name stay.
+  /// Marks a row as this call says, whatever an earlier one did; those of unnamed scenes stay.
   void mark_held_out(TradeRow& row) const {
     for (const TradeScene& scene : m_results.scenes) {
       if (scene.file == row.scene) row.held_out = scene.is_held_out ? 1 : 0;
@@ -149,14 +149,14 @@ class TradeoffRun {
     write_rows();
   }
 
-  /// What was known and is not yet reached stays for the next call.
+  /// Writes all rows; those that were known and are not yet reached stay for the next call.
   void write_rows() const {
     std::vector<TradeRow> all = m_results.rows;
     all.insert(all.end(), m_known.begin(), m_known.end());
     replace_text_file(m_csv, to_csv(all));
   }
 
-  /// Of the reference, from what elements of half a size differ by from it.
+  /// Error of the reference, from how far elements of half the size differ from it.
   double size_error_of(const std::string& scene) const {
     for (const TradeRow& row : m_results.rows) {
       if (row.scene != scene || row.method != "fem-fine" || row.knob != 1 || !row.is_ok()) continue;

@@ -28,7 +28,7 @@ struct TradeScene {
   double floor_mm = 0;
   /// That last one, by the elements of half a voxel (Richardson); 0 where they were not measured.
   double size_error_mm = 0;
-  /// Of 1 - SSIM: what a step twice as long does to the reference.
+  /// 1 - SSIM of the reference with itself drawn with steps twice as long.
   double floor_picture = 0;
   bool has_drawings = false;
   bool is_held_out = false;

@@ -18,7 +18,7 @@ class DraggedHead {
   /// About `wanted` elements move with every drag; the shell is two voxels thick. Throws Cancelled.
   DraggedHead(const Vec3i& size, std::int64_t wanted, Progress& cancel);
 
-  /// Back at rest; returns the bricks of the displacement in which a vector changed.
+  /// Takes the head back to rest; returns the bricks of the displacement with a changed vector.
   std::vector<std::int32_t> reset();
   /// Drags; the displacement is as before until follow() is called.
   void drag();

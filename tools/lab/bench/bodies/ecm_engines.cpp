@@ -94,7 +94,7 @@ class MultisetEngine final : public EcmEngine {
   }
   void fix(const IndexBox&) override { throw Error("multiset: anchors are not part of it"); }
   void pull(const BenchDrag& pull) override { m_solver->move(pull.voxel - m_origin, pull.by_q); }
-  /// Counted since the last call or reset.
+  /// Number of elements moved since the last call or reset.
   std::int64_t moved() override {
     const reference::Offsets now = m_solver->offsets();
     std::int64_t count = 0;

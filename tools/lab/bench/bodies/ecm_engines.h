@@ -20,11 +20,11 @@ struct BenchDrag {
 class EcmEngine {
  public:
   virtual ~EcmEngine() = default;
-  /// All elements at rest again, memory kept where the engine can.
+  /// Takes all elements back to rest, memory kept where the engine can.
   virtual void reset() = 0;
-  /// Anchors for the pulls that follow. Throws Error: multiset knows none.
+  /// Sets anchors for the pulls that follow. Throws Error: multiset knows none.
   virtual void fix(const IndexBox& box) = 0;
-  /// The timed part.
+  /// Pulls: the timed part.
   virtual void pull(const BenchDrag& pull) = 0;
   /// Elements that the last pull moved.
   virtual std::int64_t moved() = 0;
@@ -32,7 +32,7 @@ class EcmEngine {
   virtual std::int64_t max_list() const = 0;
   /// The engine that did the work: multiset, flat or block.
   virtual std::string path() const = 0;
-  /// Equal for equal offsets of equal elements, whatever their order in memory.
+  /// A sum that is equal for equal offsets of equal elements, whatever their order in memory.
   virtual std::uint64_t checksum() const = 0;
 };
 

@@ -22,7 +22,7 @@ namespace {
 
 using Motion3 = std::function<Vec3d(const Vec3d&)>;
 
-/// Where a bump takes p: along `direction` by a Gaussian whose steepest slope is `slope`.
+/// The motion of a bump: along `direction` by a Gaussian whose steepest slope is `slope`.
 Motion3 gaussian_bump(const Vec3d& center, double width, const Vec3d& direction, double slope) {
   const double height = slope * width * std::exp(0.5);
   const Vec3d along = direction.normalized() * height;
@@ -63,7 +63,7 @@ Displacement pulled_noise(int size) {
   state.elements = body.elements;
   state.q = body.q;
   Displacement displacement = displacement_of(state);
-  // Without what all share, so that methods that fill the volume's own box can be compared.
+  // The mean is taken off, so that methods that fill the volume's own box can be compared.
   Vec3d sum(0);
   for (const Vec3f& u : displacement.u.vectors.all()) sum += Vec3d(u);
   const Vec3d mean = sum / double(displacement.u.vectors.brick_count() * kBrickVoxels);

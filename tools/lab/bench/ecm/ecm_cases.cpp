@@ -26,7 +26,7 @@ std::vector<WarmSide> warm_up_all(const EcmWorkload& workload, MeasuredBody& mea
   return sides;
 }
 
-/// What one side does in each round; `ns_per_moved` gets the time per moved element of each pull.
+/// One side's pulls in each round; `ns_per_moved` gets the time per moved element of each pull.
 TimedSide timed_side(WarmSide& warm, const Motion& motion, const EcmCaseLimits& limits,
                      std::int64_t nodes, Times& ns_per_moved) {
   TimedSide side;

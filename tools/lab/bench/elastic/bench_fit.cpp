@@ -157,7 +157,7 @@ class FitProblem {
   std::vector<Vec3d> m_wanted;
 };
 
-/// Where the error is least between two values, to 2 % of the value: by golden sections of its
+/// The value of least error between two values, to 2 % of the value: by golden sections of its
 /// logarithm, as if there were one minimum.
 double best_between(double lo, double hi, const std::function<double(double)>& error_at) {
   constexpr double kGolden = 0.6180339887498949;

@@ -63,7 +63,7 @@ std::vector<SpringsWorkload> plan_springs(const SpringsBenchOptions& options) {
   return plan;
 }
 
-/// Rows call symplectic Euler what it is among the others, and hold XPBD to a fixed price.
+/// Rows call symplectic Euler "explicit", and hold XPBD to fixed numbers of substeps and sweeps.
 std::unique_ptr<SpringIntegrator> integrator_of(const std::string& name, SpringSystem& system) {
   if (name == "xpbd") return std::make_unique<Xpbd>(system, Xpbd::Params{8, 4});
   return make_integrator(
@@ -86,7 +86,7 @@ void run_frame(MovingMembrane& membrane, int frame) {
   membrane.largest_j = std::max(membrane.largest_j, now_j);
 }
 
-/// How far it is from where it would come to rest.
+/// Adds how far the membrane is from where it would come to rest.
 void add_rest(BenchRow& row, const MovingMembrane& membrane, const PulledMembrane& pulled) {
   double off_mm = 0;
   for (std::size_t n = 0; n < membrane.system.node_count(); ++n) {

@@ -13,7 +13,7 @@ struct FemProblem {
   FemLoads loads;
 };
 
-/// What a row of a solve is about.
+/// The body and load of one row of a solve.
 struct FemSubject {
   /// cube    one material;
   /// ball    one material, just inside its box;

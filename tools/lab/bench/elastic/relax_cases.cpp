@@ -103,7 +103,7 @@ DraggedBody pull_end(const Body& rest, Progress& cancel) {
   const Region low(box.lo, {box.lo.x, box.hi.y, box.hi.z});
   const Region high({box.hi.x, box.lo.y, box.lo.z}, box.hi);
   drag(dragged.body, {{high, {by, 0, 0}}}, {low}, dragged.holds, &cancel);
-  // What holds the bar needs no region any more.
+  // From here on elements hold the bar, without a region.
   dragged.anchored = anchored_elements(dragged.body, {low}, dragged.holds);
   dragged.holds.anchored = dragged.anchored;
   return dragged;
@@ -262,7 +262,7 @@ std::vector<BenchRow> measure_descent(const std::vector<RelaxRow>& rows, const B
       energies.back().push_back(relaxation.energy_before_pass());
     }
     energies.back().push_back(relaxation.energy());
-    // What breaks limits is no measure for what keeps them.
+    // A relaxation that breaks limits is no measure for those that keep them.
     if (rows[n].method != RelaxMethod::plain) least = std::min(least, energies.back().back());
   }
   std::vector<BenchRow> result;
@@ -288,7 +288,7 @@ std::vector<BenchRow> measure_descent(const std::vector<RelaxRow>& rows, const B
   return result;
 }
 
-/// What `measure` does to the pressed or pulled body of each row, whose times it returns.
+/// Runs `measure` on the pressed or pulled body of each row; it returns the times of the row.
 template <class Measure>
 std::vector<BenchRow> measure_dragged(const std::vector<RelaxRow>& rows, const Body& rest,
                                       Progress& cancel, const Measure& measure) {

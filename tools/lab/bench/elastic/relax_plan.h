@@ -18,7 +18,7 @@ struct RelaxRow {
   int count = 0;  // passes timed per round, states, most passes, or passes before tightening
   int links = 6;  // per voxel
 
-  /// Whether the bulk modulus tells the row from others.
+  /// True if the bulk modulus tells the row from others.
   bool is_of_volume() const { return kind == "volume" || kind == "press" || kind == "pull"; }
 
   /// Rows of a group share a body and follow each other.

@@ -13,9 +13,9 @@ namespace supple::tools {
 inline constexpr int kMembraneColumns = 50, kMembraneRows = 30;
 inline constexpr double kFrameS = 0.02;
 
-/// At rest, flat.
+/// A membrane at rest, flat.
 SpringSystem flat_membrane(double stiffness_n_m);
-/// Let go from a bump of 4 mm.
+/// A membrane that is let go from a bump of 4 mm.
 SpringSystem plucked_membrane(double stiffness_n_m);
 
 /// Nine nodes in the middle of a flat membrane that go up and down by 5 mm once a second.

@@ -70,7 +70,7 @@ std::vector<InvertWorkload> plan_invert(const InvertBenchOptions& options) {
   return plan;
 }
 
-/// What one side came to.
+/// Result and times of one side.
 struct InvertResult {
   OffsetField field;
   Times cpu;
@@ -129,7 +129,7 @@ void run_method(const std::string& method, const Displacement& displacement, Inv
   }));
 }
 
-/// Once; without a time when the peer is not installed, which is noted the first time.
+/// Runs a peer once; no time, and a note the first time, when the peer is not installed.
 void run_peer(const std::string& peer, const Displacement& displacement, InvertResult& result,
               Times& times, Console& console) {
   if (result.is_absent) return;

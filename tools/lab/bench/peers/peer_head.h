@@ -20,10 +20,10 @@ constexpr int kAirRings = 2;  // sampled around tissue, as `supple render` does
 
 Geometry peer_geometry();
 PeerHead make_peer_head();
-/// As int16.
+/// Writes the head's densities as int16.
 void write_peer_head(const std::string& path, const PeerHead& head);
 
-/// Of the head's box, from anterior.
+/// A camera for the head's box, from anterior.
 Camera peer_camera(const Geometry& geometry);
 /// Bone without its fading of weak gradients, which VTK does not know.
 TransferFunction peer_function();

@@ -17,7 +17,7 @@ namespace supple::tools {
 namespace {
 
 constexpr int kShell = 2;  // voxels of air around the tissue that move with it
-// Of the incision, in parts of the head's width: its half length, and how far each lip goes.
+// Sizes of the incision in parts of the head's width: its half length, and how far each lip goes.
 constexpr double kReach = 0.12, kOpening = 0.03;
 
 struct CutHead {
@@ -29,7 +29,7 @@ struct CutHead {
   LinkCuts cuts;
 };
 
-/// In the middle of the face, a third of its height up: where a ray from the front meets tissue.
+/// Middle of the face, a third of its height up, where a ray from the front meets tissue.
 Vec3d middle_of_face(const Geometry& geometry, const BrickTopology& elements) {
   const Vec3i& dims = geometry.dims();
   const bool is_front_last = geometry.index_vector_from_world({0, -1, 0}).y > 0;

@@ -61,7 +61,7 @@ struct FrameBench::Impl {
         straight(head.geometry, head.density, kRings),
         camera(default_camera(head.geometry, 1)) {}
 
-  /// Of the head and the air around it; null for offsets that are 0.
+  /// Displacement of the head and the air around it; null for offsets that are 0.
   std::unique_ptr<const Displacement> movement_of(const std::string& kind) const {
     if (kind == "identity" || kind == "zero" || kind == "straight") return nullptr;
     const Vec3d middle = Vec3d(size) / 2;

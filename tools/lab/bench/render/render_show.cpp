@@ -29,7 +29,7 @@ namespace {
 const std::string kWithoutInverse = "supple-no-inverse";
 const std::string kLocal = "session-local";
 
-/// What one side came to; medians are taken of the times.
+/// Times and memory of one side; medians are taken of the times.
 struct ShowResult {
   Times prepare, frame;
   double peak_mbytes = 0;  // the largest of all runs
@@ -94,11 +94,11 @@ class SuppleViewer {
     const double frame_ms = time_ms([&] { refine(); });
     return result.add(prepare_ms, frame_ms, 0);
   }
-  /// Above what was held before; of the whole process.
+  /// Memory above what was held before; of the whole process.
   double peak_mbytes() const { return double(m_memory.growth().value_or(0)) / 1e6; }
 
  private:
-  /// The whole picture of what is shown now.
+  /// Draws the whole picture of what is shown now.
   void refine() {
     m_picture = m_picture != nullptr
                     ? m_picture->follow()
@@ -238,7 +238,7 @@ BenchRow row_of(const ShowSide& side, const ShowResult& result, const Times& tim
 
 using Viewers = std::map<std::string, std::unique_ptr<SuppleViewer>>;
 
-/// What each takes is measured before another is held; all stay for the rounds.
+/// Opens the viewers and measures each one's memory before the next; all stay for the rounds.
 void open_viewers(const std::vector<ShowSide>& sides, const DraggedFiles& files, Viewers& viewers,
                   std::vector<ShowResult>& results) {
   for (std::size_t n = 0; n < sides.size(); ++n) {

@@ -29,7 +29,7 @@ DensityGrid density_of(const Vec3i& size, const BrickTopology& shell) {
   return fill_density_grid(shell, fill, -1000);
 }
 
-/// What follows the head, and the pictures of it.
+/// The dragged head, the inversions that follow it, and the renderer of its pictures.
 struct UpdateScene {
   UpdateScene(const Vec3i& size, int image_size, std::int64_t wanted, Progress& cancel)
       : head(size, wanted, cancel),

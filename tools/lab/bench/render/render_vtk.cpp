@@ -147,7 +147,7 @@ class StraightView {
   PixelBox m_cast;  // the same for all pictures
 };
 
-/// What one side came to.
+/// Times and similarity (SSIM) of one side.
 struct StraightResult {
   Times times, frame;  // of VTK, `times` are of the ray caster alone
   RenderReport report;

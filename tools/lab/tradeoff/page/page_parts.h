@@ -22,7 +22,7 @@ a { color: inherit; } code { font-size: .85em; background: #f3f3f3; padding: .1e
 </style>
 )";
 
-/// Of a chart, in the page and in a file of its own: colours come from the element, and nothing is
+/// Style of charts, in the page or a file of its own: colours come from the element, and nothing is
 /// used that programs for printing do not know, such as variables and colours of eight digits.
 constexpr const char* kChartStyle = R"(<style>
 .chart { font-size: 12px; }
@@ -36,7 +36,7 @@ constexpr const char* kChartStyle = R"(<style>
 </style>
 )";
 
-/// What the pointer is over, below the page, and the curve of an entry of the legend alone.
+/// Shows the words of what the pointer is over below the page, and a legend entry's curve alone.
 constexpr const char* kScript = R"(<script>
 const shown = document.getElementById('shown');
 for (const title of document.querySelectorAll('.chart title')) {

@@ -29,7 +29,7 @@ struct PixelSpan {
   }
 };
 
-/// Red, green and blue on white.
+/// Mean red, green and blue of an area on white.
 std::array<double, 3> mean_of(const Image& image, const PixelSpan& columns, const PixelSpan& rows) {
   std::array<double, 3> sum{};
   double area = 0;

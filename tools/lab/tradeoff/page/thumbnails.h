@@ -10,7 +10,7 @@
 
 namespace supple::tools {
 
-/// On the longer side.
+/// Pixels on the longer side.
 constexpr int kThumbnailPixels = 160;
 
 /// Opaque, on white, at most so many pixels wide and high: each pixel is the mean of the area that

@@ -19,8 +19,8 @@ struct ChartCurve {
   std::vector<ChartPoint> points;  // in the order in which they are joined
 };
 
-/// What was asked for and has no point: at the right edge what took too long, at the top what
-/// failed.
+/// A run that was asked for and has no point: it stands at the right edge if it took too long, at
+/// the top if it failed.
 struct ChartMiss {
   std::size_t curve = 0;  // whose colour it has
   bool is_slow = false;

@@ -60,7 +60,7 @@ nlohmann::ordered_json matched_json(const SceneCurves& curves, const std::vector
   return table;
 }
 
-/// Without tables where the load is held out.
+/// Writes curves without tables where the load is held out.
 nlohmann::ordered_json curves_json(const TradeResults& results, const SceneCurves& curves,
                                    bool is_held_out) {
   const std::vector<double>& errors = curves.are_drawings ? kErrorsOfPictures : kErrors_mm;
