@@ -15,7 +15,7 @@ class DiskSync {
   /// `sync` is called on a thread of its own, at most once in `every`, as long as something was
   /// written since it was called last.
   DiskSync(std::function<void()> sync, std::chrono::milliseconds every);
-  /// Calls it a last time where something was written since.
+  /// Calls `sync` a last time where something was written since.
   ~DiskSync();
   DiskSync(const DiskSync&) = delete;
   DiskSync& operator=(const DiskSync&) = delete;

@@ -15,10 +15,10 @@ class Folders {
   /// The file or folder without links, to be read. Relative paths begin at the first folder. Throws
   /// InputError where it is missing or outside; outside both look alike.
   std::string input(const std::string& path) const;
-  /// A file to be written: neither a link nor hidden, and its folder is there. Throws InputError.
+  /// The path of a file to be written: no link, not hidden, its folder is there. Throws InputError.
   std::string output(const std::string& path) const;
 
-  /// Whether a file that is there lies within.
+  /// True if a file that exists lies within.
   bool holds(const std::string& path) const;
 
   const std::vector<std::string>& roots() const { return m_roots; }

@@ -36,7 +36,7 @@ std::string host_of(const std::string& origin) {
   return origin.substr(origin.find("://") + 3);
 }
 
-/// What a request says, for a text that people read.
+/// Words of a request for a message to people: short plain ones as they are.
 std::string shown(const std::string& text) {
   const bool is_plain =
       std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 127; });

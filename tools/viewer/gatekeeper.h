@@ -17,16 +17,16 @@ class Gatekeeper {
   Gatekeeper(int port, std::string token, std::vector<std::string> origins = {},
              const std::string& listen = "");
 
-  /// localhost, 127.0.0.1 or [::1] with the port, or the host of another origin.
+  /// True for localhost, 127.0.0.1 or [::1] with the port, or the host of another origin.
   bool is_own_host(std::string_view host) const;
-  /// No Origin, as programs have none, or that of the page.
+  /// True for no Origin, as programs have none, or that of the page.
   bool is_own_origin(std::string_view origin) const;
   /// Text for a request with another host or origin: found, expected, and the option that helps.
   std::string refusal(const std::string& host, const std::string& origin) const;
-  /// Of the header Sec-WebSocket-Protocol: names the protocol with the token. Takes as long
-  /// whatever of it is right.
+  /// True if the header Sec-WebSocket-Protocol names the protocol with the token. Takes the same
+  /// time however much of it is right.
   bool has_token(std::string_view protocols) const;
-  /// That protocol, to be answered.
+  /// The protocol with the token, for the answer.
   const std::string& protocol() const { return m_protocol; }
   const std::string& token() const { return m_token; }
 
@@ -43,7 +43,7 @@ std::string plain_base_path(const std::string& text);
 
 /// 128 random bits of the system, as 32 hexadecimal digits. Throws SystemError.
 std::string make_token();
-/// That of a file, which nobody else may read, or a new one, which is written there. Throws
+/// The token in a file that nobody else may read, or a new one, which is written there. Throws
 /// InputError, SystemError.
 std::string token_of_file(const std::string& path);
 

@@ -91,7 +91,7 @@ int unsaved_events(const std::string& text) {
   return count;
 }
 
-/// Newest first.
+/// Journals in a folder, newest first.
 std::vector<fs::path> journals_in(const std::string& folder) {
   std::vector<std::pair<fs::file_time_type, fs::path>> found;
   std::error_code error;
@@ -115,7 +115,7 @@ void prune(const std::string& folder) {
   }
 }
 
-/// Names of files in it last when this returns.
+/// Waits until names of files in the folder are on the disk.
 void sync_folder(const std::string& folder) {
   const int opened = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (opened < 0) return;
@@ -226,7 +226,7 @@ bool KeptJournal::make_folder() {
   return ::mkdir(m_folder.c_str(), 0700) == 0 || errno == EEXIST;
 }
 
-/// Complete and on the disk before it has its name, so that what it replaces can go.
+/// Makes the file, complete and on the disk before it has its name: what it replaces can go then.
 bool KeptJournal::make_file(const std::string& text) {
   const std::string made = m_path + ".new";
   m_file = ::open(made.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);

@@ -113,7 +113,7 @@ void OpenScene::stop(const std::vector<LiveEvent>& given_up) {
   }
 }
 
-/// Over the picture in space, as long as an overlay or the outline is asked for there.
+/// Paints over the picture in space while an overlay or the outline is asked for there.
 void OpenScene::choose_painter() {
   const bool paints = has_overlay() && m_settings.slices.overlay_in_space;
   const bool outlines = m_settings.slices.outline_in_space;
@@ -142,7 +142,7 @@ void OpenScene::begins() {
   m_range.reset();
 }
 
-/// Springs pay for every place of a drag. Those that take long are chosen twice, the price known.
+/// Springs pay for every place of a drag: long ones are refused once, with the price, then taken.
 void OpenScene::check(const LiveEvent& event) {
   if (event.kind != EventKind::model || !event.step.springs) return;
   const auto price = price_of(event, m_live.session());
@@ -207,7 +207,7 @@ void OpenScene::settled(const Image& image, const Stopwatch& since_event) {
   m_outlets.encoder.encode(std::move(frame), image);
 }
 
-/// Slices in haste while the picture moves, and exactly once it has settled.
+/// Draws slices in haste while the picture moves, and exactly once it has settled.
 bool OpenScene::work() {
   if (!m_is_told && may_tell()) tell_scene();
   return draw_next_pane();
@@ -248,7 +248,7 @@ SlicePane OpenScene::pane_of(int view, const PixelSize& size, const RestPlaceAt&
                    field ? overlay_range() : ScalarRange(), every);
 }
 
-/// Of displacements the largest, of energies nearly, rounded up, so that the legend holds still.
+/// Its end is the largest displacement, or nearly the largest energy, rounded up to hold still.
 ScalarRange OpenScene::overlay_range() {
   if (m_range) return *m_range;
   m_range = kVolumeRatios;
@@ -261,7 +261,7 @@ ScalarRange OpenScene::overlay_range() {
   return *m_range;
 }
 
-/// While a hand drags ten times a second are enough.
+/// True if the pages may hear of the scene: ten times a second are enough while a hand drags.
 bool OpenScene::may_tell() const {
   return !m_live.grabbed() || std::chrono::steady_clock::now() - m_told > kTellScenesEvery;
 }

@@ -1,5 +1,5 @@
-// What is open in the viewer: a live session with its loop, its pictures on their way to the pages,
-// and what the pages ask about it. Everything here runs on the thread of the loop.
+// The scene that is open in the viewer: a live session with its loop, its pictures on their way to
+// the pages, and what the pages ask about it. Everything here runs on the thread of the loop.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace supple::tools {
 
-/// What a scene says to the pages through.
+/// The objects through which a scene speaks to the pages.
 struct SceneOutlets {
   Pages& pages;
   FrameEncoder& encoder;
@@ -36,27 +36,27 @@ class OpenScene final : public LoopWatcher {
   /// See LiveLoop::run().
   void run(EventMailbox& mailbox);
   void leave() { m_loop.leave(); }
-  /// From another thread: something was posted.
+  /// Tells the loop from another thread that something was posted.
   void interrupt() { m_loop.interrupt(); }
 
-  /// The pages have other wishes; `number` as of Pages::note().
+  /// Takes other wishes of the pages; `number` as of Pages::note().
   void see(const ViewSettings& settings, std::uint64_t number);
-  /// The number of what was asked last.
+  /// Notes the number of what was asked last.
   void seen(std::uint64_t number) { m_number = number; }
   /// Ends what settles. Where a release is among the events that were given up, what is grabbed is
   /// let go of where it has got to, or goes back if that restores.
   void stop(const std::vector<LiveEvent>& given_up);
   /// Writes what is carried out from now on into a journal on disk.
   void keep(std::unique_ptr<KeptJournal> journal);
-  /// CT for which no look is given begins with the skin: bone hides where soft tissue moves.
+  /// Begins CT without a given look with the skin: bone hides where soft tissue moves.
   void begin_outside();
-  /// What was assumed when it was opened, which the pages tell.
+  /// Notes what was assumed when the scene was opened, which the pages tell.
   void assume(const std::string& text) { m_assumed = text; }
-  /// A file holds all that was done.
+  /// Notes that a file holds all that was done.
   void saved() {
     if (m_kept) m_kept->saved();
   }
-  /// A page is gone; what it held is restored, as Esc does.
+  /// Restores what a page held that is gone, as Esc does.
   void page_left(int page, double at_ms);
 
   LiveSession& live() { return m_live; }
@@ -70,9 +70,9 @@ class OpenScene final : public LoopWatcher {
   Value description();
   Value slices_json();
   void tell_scene();
-  /// Of the values that the overlay shows.
+  /// Range of the values that the overlay shows.
   ScalarRange overlay_range();
-  /// A slice as the settings ask for it.
+  /// Draws a slice as the settings ask for it.
   SlicePane pane_of(int view, const PixelSize& size, const RestPlaceAt& rest, int every);
 
  private:
@@ -104,7 +104,7 @@ class OpenScene final : public LoopWatcher {
   std::optional<StateParts> m_state_parts;  // of a state that was opened
   std::uint64_t m_number = 0;
   double m_budget_ms;
-  /// Of each pane: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
+  /// State of panes: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
   std::array<int, kViewCount> m_stale{};
   std::optional<ScalarRange> m_range;
   std::optional<ScalarRange> m_densities;     // once they were asked for

@@ -27,7 +27,7 @@ struct AssumedMaterial {
   std::string text;
 };
 
-/// What says whether values are Hounsfield units, and whether they are.
+/// Tells if values are Hounsfield units, and what says so.
 struct FoundUnits {
   bool are_hounsfield;
   std::string by;

@@ -10,7 +10,7 @@
 
 namespace supple::tools {
 
-/// As a material: all voxels above the least density are tissue of one kind.
+/// Name of a material in which all voxels above the least density are tissue of one kind.
 constexpr const char* kUniform = "uniform";
 
 struct OpenedFile {

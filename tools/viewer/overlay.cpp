@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMostShare = 0.99;
 
-/// Of the deformation at an element; none at the edge of what is known.
+/// Gradient of the deformation at an element; none at the edge of what is known.
 std::optional<GridGradient> deformation_gradient(const Displacement& moved, const Vec3i& voxel) {
   return gradient_at(Vec3d(voxel), [&](const Vec3d& index, Vec3d& place) {
     if (!moved.u.sample(index, place)) return false;

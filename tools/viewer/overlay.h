@@ -1,4 +1,4 @@
-// What is painted over slices and over the picture in space: how far tissue has moved (mm), det F,
+// Values painted over slices and over the picture in space: how far tissue has moved (mm), det F,
 // or the density of strain energy, at the place that is seen.
 //
 // F is the gradient of the deformation at a place of the deformed body, the inverse of the central
@@ -31,8 +31,8 @@ class OverlayField {
                const RestPlaceAt& rest);
   /// None where no tissue is seen.
   std::optional<double> at(const Vec3d& index) const;
-  /// What at() says, in the colours of the overlay; clear where nothing is displaced, strained or
-  /// changed in volume. Refers to this.
+  /// Paints the values of at() in the colours of the overlay; clear where nothing is displaced,
+  /// strained or changed in volume. Refers to this.
   ValuePaint paint(const ScalarRange& range) const;
 
  private:

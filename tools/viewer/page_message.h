@@ -1,4 +1,4 @@
-// What a page says to the server: one JSON object with one verb (README.md), from anybody who has
+// Messages of a page to the server: one JSON object with one verb (README.md), from anybody who has
 // got through to the socket. Nothing here trusts its input: depth, size and every value is checked
 // before anything is done.
 #pragma once
@@ -17,7 +17,7 @@ namespace supple::tools {
 constexpr std::size_t kMostMessageBytes = std::size_t(1) << 20;
 constexpr int kMostMessageDepth = 12;
 
-/// The message is none: its connection is closed with this code of RFC 6455.
+/// Thrown for what is no message: its connection is closed with this code of RFC 6455.
 class BadMessage : public Error {
  public:
   explicit BadMessage(const std::string& why) : Error(why) {}

@@ -22,11 +22,11 @@ class PageProgress final : public Progress {
   void note(const std::string& line) override;
   void debug(const std::string& line) override { m_behind.debug(line); }
 
-  /// Work begins, which can be cancelled until end().
+  /// Notes that work begins, which can be cancelled until end().
   void begin();
-  /// Nothing runs any more; tells the pages so, if they were told that something does.
+  /// Notes that nothing runs any more; tells the pages so, if they were told that something does.
   void end();
-  /// From any thread: what runs, if anything, ends with Cancelled.
+  /// Ends what runs, if anything, with Cancelled; from any thread.
   void cancel() {
     if (m_is_running) m_is_cancelled = true;
   }

@@ -1,4 +1,4 @@
-// What a page asks that changes nothing.
+// Questions of a page, which change nothing.
 #pragma once
 
 #include "tools/viewer/folders.h"

@@ -22,7 +22,7 @@ constexpr auto kIdleTime = 60s;
 constexpr double kMessagesPerSecond = 400, kBurst = 800;  // that a page may send
 constexpr std::size_t kMostQueuedBytes = std::size_t(64) << 20;
 
-/// Tokens that come back with time.
+/// Limits messages by tokens that come back with time.
 class MessageRate {
  public:
   bool allows_one() {
@@ -150,7 +150,7 @@ class PageSocket final : public PageOutlet, public std::enable_shared_from_this<
     m_socket.async_close(m_reason, [self = shared_from_this()](Error_code) {});
   }
 
-  /// One that does not read what it is sent.
+  /// Closes a page that does not read what it is sent.
   void abandon() {
     end();
     beast::get_lowest_layer(m_socket).close();

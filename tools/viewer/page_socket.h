@@ -18,7 +18,7 @@ using Error_code = boost::beast::error_code;
 using Tcp = boost::asio::ip::tcp;
 using SteadyClock = std::chrono::steady_clock;
 
-/// What connections share.
+/// The objects that all connections share.
 struct ServedViewer {
   Viewer& viewer;
   const Gatekeeper& gatekeeper;

@@ -93,7 +93,7 @@ void Pages::tell_scene(const Value& scene, std::uint64_t number) {
   for (auto& [id, page] : m_pages) page.outlet->send_text(scene_for(page));
 }
 
-/// The scene ends with the page's own count of events.
+/// The scene for one page, which ends with the page's own count of events.
 std::shared_ptr<const std::string> Pages::scene_for(const Page& page) const {
   std::string text = m_scene;
   const std::size_t end = text.rfind("}}");

@@ -29,14 +29,14 @@ class Pages {
  public:
   static constexpr std::size_t kMostUnacknowledged = 2;
 
-  /// The page gets a first message, the scene, and the last picture of every view.
+  /// Adds a page, which gets a first message, the scene, and the last picture of every view.
   int join(std::shared_ptr<PageOutlet> outlet, const std::string& hello);
   void leave(int page);
   std::size_t count() const;
-  /// That have ever joined.
+  /// Number of pages that have ever joined.
   int joined() const;
 
-  /// The session has taken message `n` of the page as its `number`, which ascends.
+  /// Notes that message `n` of the page is the session's `number`, which ascends.
   void note(int page, std::uint64_t number, std::uint32_t n);
   /// The last `n` of the page that is not after `number`; 0: none.
   std::uint32_t known(int page, std::uint64_t number) const;
@@ -48,7 +48,7 @@ class Pages {
   void tell_scene(const Value& scene, std::uint64_t number);
   /// The message with that number could not be done: for the page that sent it, else for all.
   void tell_refused(std::uint64_t number, const std::string& why);
-  /// Left out where a newer one of the view has been published.
+  /// Sends a picture; left out where a newer one of the view has been published.
   void publish(FrameMessage frame);
   /// As text, whatever bytes the strings hold.
   static std::string text_of(const Value& json);

@@ -29,7 +29,7 @@ Value event_json(const char* kind, Value keys) {
   return event;
 }
 
-/// Where a place of the body at rest is now, in LPS mm.
+/// The present place of a place of the body at rest, in LPS mm.
 Vec3d place_now(const Vec3d& rest_index, const State& state, const Displacement& moved) {
   Vec3d u(0);
   if (!moved.u.sample(rest_index, u)) u = Vec3d(0);

@@ -1,5 +1,5 @@
-// What a session holds, fixes and has cut, as the message `scene` lists it: keys of events, and
-// where it is now.
+// The parts that a session holds, fixes and has cut, as the message `scene` lists them: keys of
+// events, and where they are now.
 #pragma once
 
 #include "tools/scene/live/held_parts.h"

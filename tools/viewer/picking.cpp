@@ -13,7 +13,7 @@ namespace supple::tools {
 
 namespace {
 
-/// Of the picture of one ray: narrow enough to be that ray.
+/// Size of the picture of one ray: narrow enough to be that ray.
 constexpr double kRayDegrees = 1e-4, kRayHeightMm = 1e-4;
 /// An element further from what is seen than this, in voxels, is not what was meant.
 constexpr double kFurthestVoxels = 4;
@@ -36,7 +36,7 @@ Vec3d along_grid(const Geometry& geometry, const Vec3d& vector_mm) {
   return {steps.x * mm.x, steps.y * mm.y, steps.z * mm.z};
 }
 
-/// Where the ray meets what is seen; none where it meets nothing.
+/// Depth in mm at which the ray meets what is seen; none where it meets nothing.
 std::optional<double> seen_depth(LivePicture& picture, const Camera& camera, const Ray& ray) {
   RenderSettings settings = view_settings(picture.view());
   settings.clips = resolve_clips(picture.view().clips, picture.opened().geometry);

@@ -1,4 +1,4 @@
-// What lies under the pointer, and what moving the pointer by a pixel means there.
+// The place under the pointer, and the way there that one pixel of the pointer's way stands for.
 #pragma once
 
 #include "tools/viewer/open_scene.h"

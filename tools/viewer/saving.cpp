@@ -65,7 +65,7 @@ void write_text(const std::string& path, const std::string& text) {
   file.commit();
 }
 
-/// Around the axis through the target along what is up.
+/// The camera turned around the axis through the target along what is up.
 Camera turned(const Camera& camera, double angle) {
   const CameraFrame frame = camera_frame(camera);
   const Vec3d from = camera.position_lps_mm - camera.target_lps_mm;
@@ -103,7 +103,7 @@ void add_turntable(OpenScene& scene, const SaveRequest& request, PictureSeries& 
   }
 }
 
-/// What was carried out so far, again from the beginning in a session of its own.
+/// Replays all that was carried out so far, from the beginning, in a session of its own.
 Replay replay_of(OpenScene& scene, const SaveRequest& request) {
   ReplayOptions options;
   options.size = request.size;

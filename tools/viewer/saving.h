@@ -17,7 +17,7 @@ struct SaveRequest {
   int frames = 72;
   double frames_per_second = 25, speed = 1;
 };
-/// But for `path` and `view`.
+/// Fields but for `path` and `view`.
 Fields fields(SaveRequest& request);
 /// Throws InputError, also for a path outside and a name of the wrong kind.
 SaveRequest save_request(Table& table, const Folders& folders);

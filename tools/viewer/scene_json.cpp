@@ -121,7 +121,7 @@ Value transfer_json(const TransferFunction& function) {
   return json;
 }
 
-/// Of the elements and their surroundings.
+/// Range of the densities of the elements and their surroundings.
 const ScalarRange& OpenScene::densities() {
   const DensityGrid& density = picture().opened().density;
   if (m_densities) return *m_densities;

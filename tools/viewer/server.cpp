@@ -28,7 +28,7 @@ constexpr auto kLookEvery = 50ms;
 constexpr std::uint32_t kMostHeaderBytes = 8192;
 constexpr std::size_t kMostPending = 64;  // connections without a socket
 
-/// One that asks for files of the page, until it opens a socket.
+/// A connection that asks for files of the page, until it opens a socket.
 class Visitor final : public std::enable_shared_from_this<Visitor> {
  public:
   Visitor(Tcp::socket&& socket, const ServedViewer& served)
@@ -230,7 +230,7 @@ void Server::Impl::accept(Tcp::acceptor& acceptor) {
   });
 }
 
-/// Where too many wait the one that came first has waited longest for nothing.
+/// Adds a visitor. Where too many wait, closes the first ones, which have waited longest.
 void Server::Impl::admit(Tcp::socket&& socket) {
   visitors.remove_if([](const std::weak_ptr<Visitor>& visitor) { return visitor.expired(); });
   while (visitors.size() >= kMostPending) {
@@ -252,7 +252,7 @@ void Server::Impl::look() {
   const bool is_left = so_far > 0 && options.grace_s > 0 && alone.count() > options.grace_s;
   if (stops() || served->viewer.has_ended() || is_left) {
     served->viewer.end("the server was stopped");
-    // What is queued goes out; then every connection ends.
+    // Messages in the queues go out; then every connection ends.
     timer.expires_after(kLookEvery);
     timer.async_wait([this](Error_code) { context.stop(); });
     return;

@@ -34,10 +34,10 @@ class Server {
   ~Server();
 
   int port() const;
-  /// Of the page, with the token.
+  /// Address of the page, with the token.
   std::string address() const;
-  /// Until `stops` says so, the viewer has ended, or the last page has been gone for long. Asked
-  /// twenty times a second.
+  /// Serves until `stops` says so, the viewer has ended, or the last page has been gone for long.
+  /// Asked twenty times a second.
   void run(Viewer& viewer, const std::function<bool()>& stops);
 
  private:

@@ -12,7 +12,7 @@ namespace supple::tools {
 
 namespace {
 
-/// Where a pane's pixels lie.
+/// The grid of a pane's pixels.
 Geometry pane_grid(const Geometry& geometry, const SliceSettings& settings, int plane,
                    const PixelSize& size) {
   const SliceAxes axes = slice_axes(geometry, SlicePlane(plane));

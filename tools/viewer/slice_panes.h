@@ -25,10 +25,10 @@ struct SliceSettings {
   double zoom = 1;                             // 1: the whole slice fits
   std::array<std::optional<Vec3d>, 3> centre;  // index in the middle of each; absent: of the box
 };
-/// But for `centre`.
+/// Fields but for `centre`.
 Fields fields(SliceSettings& settings);
 
-/// What is seen in the middle of the volume, with the window of `supple slice`.
+/// Settings of slices through the middle of the volume, with the window of `supple slice`.
 SliceSettings default_slices(const State& state);
 
 struct SlicePane {
@@ -36,12 +36,12 @@ struct SlicePane {
   PixelFrame pixels;
 };
 
-/// Where the pixels of a pane lie.
+/// The frame of the pixels of a pane.
 PixelFrame pane_pixels(const Geometry& geometry, const SliceSettings& settings, int plane,
                        const PixelSize& size);
 
-/// One of 0 axial, 1 coronal, 2 sagittal, on `size` pixels. `rest`: null for a body at rest.
-/// `overlay`: null: none. `every`: only so many-th pixels, for haste.
+/// Draws pane 0 axial, 1 coronal or 2 sagittal, on `size` pixels. `rest`: null for a body at rest.
+/// `overlay`: null: none. `every`: only every so many-th pixel, for haste.
 SlicePane draw_pane(const State& state, const SliceSettings& settings, int plane,
                     const PixelSize& size, const RestPlaceAt& rest, const OverlayField* overlay,
                     const ScalarRange& range, int every);

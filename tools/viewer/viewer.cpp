@@ -122,7 +122,7 @@ int Viewer::join(std::shared_ptr<PageOutlet> page) {
   return m_pages.join(std::move(page), Pages::text_of({{"hello", hello}}));
 }
 
-/// What the page holds is let go of when all is done that it has asked for.
+/// The scene lets go of what a page holds when all is done that the page has asked for.
 void Viewer::leave(int page) {
   m_pages.leave(page);
   m_mailbox.post([this, page] {
@@ -187,7 +187,7 @@ void Viewer::take_wish(const PageMessage& message) {
   m_settings.deformed = message.value.truth();
 }
 
-/// What waits goes, too.
+/// Cancels the operation under way, and the moves that wait.
 void Viewer::take_cancel(int page, const PageMessage& message) {
   const std::vector<LiveEvent> dropped = m_mailbox.drop_moves();
   m_progress.cancel();
@@ -226,7 +226,7 @@ void Viewer::answer_later(int page, const PageMessage& message, const Question& 
   interrupt();
 }
 
-/// Numbers are noted before anything can be shown that has them.
+/// Numbers a message; numbers are noted before anything can be shown that has them.
 std::uint64_t Viewer::take_number(int page, const PageMessage& message) {
   std::uint64_t number = 0;
   {
@@ -294,7 +294,7 @@ void Viewer::see() {
   if (m_scene) m_scene->see(settings, last);
 }
 
-/// Of wishes that follow each other before the session looks only the last counts.
+/// Asks for a look at the new settings; of several requests before it only the last counts.
 void Viewer::see_soon(int page, const PageMessage& message) {
   const std::uint64_t number = take_number(page, message);
   bool is_posted = false;

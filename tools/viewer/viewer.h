@@ -33,16 +33,16 @@ class Viewer {
   Viewer(const ViewerOptions& options, const Folders& folders, Console& console);
   ~Viewer();
 
-  /// From any thread.
+  /// Adds a page, from any thread.
   int join(std::shared_ptr<PageOutlet> page);
   void leave(int page);
-  /// One message. Throws BadMessage: the connection is to be closed.
+  /// Takes one message. Throws BadMessage: the connection is to be closed.
   void receive(int page, std::string_view text);
   std::size_t page_count() const { return m_pages.count(); }
   int pages_so_far() const { return m_pages.joined(); }
   /// Says good-bye and ends the session; what runs is cancelled.
   void end(const std::string& reason);
-  /// Whether the session's thread has ended by itself, by an error or a signal.
+  /// True if the session's thread has ended by itself, by an error or a signal.
   bool has_ended() const { return m_has_ended; }
   /// Throws what ended it, if anything did.
   void join_thread();
@@ -58,7 +58,7 @@ class Viewer {
   void take_open(int page, const PageMessage& message);
   void take_go_on(int page, const PageMessage& message);
   void take_cancel(int page, const PageMessage& message);
-  /// How the pages want to see it.
+  /// Takes how the pages want to see the scene.
   void take_wish(const PageMessage& message);
   void take_size(const PageMessage& message);
   void take_slices(const PageMessage& message);

@@ -16,7 +16,7 @@ std::string real_path(const std::string& path) {
 
 }  // namespace
 
-/// Before there is a session's thread.
+/// Opens the input before there is a session's thread.
 void Viewer::begin() {
   const std::string input = m_options.input.empty() ? "" : real_path(m_options.input);
   m_left = left_session(m_options.sessions, input, m_folders);
@@ -33,7 +33,7 @@ void Viewer::begin() {
   if (m_left) note(&m_console, text_of(*m_left) + "; --go-on goes on with it");
 }
 
-/// On the session's thread, or before there is one. The scene so far stays where this one fails.
+/// Makes m_next, on the session's thread or before there is one. On failure the old scene stays.
 void Viewer::open(const OpenedFile& file, const std::string& input, const std::string& replaces) {
   m_progress.begin();
   ViewSettings settings;
@@ -75,7 +75,7 @@ void Viewer::take_open(int page, const PageMessage& message) {
   });
 }
 
-/// On the session's thread; what is open stays where it fails.
+/// Opens on the session's thread; what is open stays where it fails.
 void Viewer::open_later(int page, const PageMessage& message, const std::function<void()>& opens) {
   m_mailbox.post([this, page, message, opens] {
     try {
@@ -96,7 +96,7 @@ void Viewer::go_on_with(const LeftSession& left, bool is_own_input) {
   open(file, left.input, left.path);
 }
 
-/// True: the session that was left is opened; false: nobody is asked about it any more.
+/// Takes the answer true: the left session is opened; false: nobody is asked about it any more.
 void Viewer::take_go_on(int page, const PageMessage& message) {
   if (!message.value.is_truth()) throw InputError({"go_on", "", "no truth value", "true, false"});
   std::optional<LeftSession> left;
