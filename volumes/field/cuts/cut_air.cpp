@@ -28,7 +28,7 @@ Vec3i unit_along(int axis) {
   return step;
 }
 
-/// Voxels of the 27 around one, itself left out.
+/// Visits the 26 voxels around one.
 template <class Visit>
 void for_neighbours(const Vec3i& voxel, Visit&& visit) {
   for (int n = 0; n < 27; ++n) {
@@ -36,17 +36,17 @@ void for_neighbours(const Vec3i& voxel, Visit&& visit) {
   }
 }
 
-/// Along the normal of the one, of the other.
+/// Distance of `other` from the surface, with its sign along the normal of `one`.
 double same_way(const CutPlanes::Side& one, const CutPlanes::Side& other) {
   return one.normal.dot(other.normal) < 0 ? -other.distance : other.distance;
 }
 
-/// Where a surface is not known nothing is on another side.
+/// True if both are on one side of the surface, or it is not known at one of them.
 bool is_same_side(const CutPlanes::Side& a, const CutPlanes::Side& b) {
   return !a.is_known || !b.is_known || std::signbit(a.distance) == std::signbit(same_way(a, b));
 }
 
-/// Where the surface crosses the link from one to the other; 0: unknown.
+/// The place where the surface crosses the link from one to the other; 0: unknown.
 LinkCuts::Place place_between(const CutPlanes::Side& low, const CutPlanes::Side& high) {
   if (!low.is_known || !high.is_known || is_same_side(low, high)) return 0;
   const double apart = low.distance - same_way(low, high);
@@ -67,7 +67,7 @@ class NearElements {
       m_vectors[n] = u.vectors.brick_or_zero(std::size_t(around[n]));
     }
   }
-  /// Of a voxel by its place in the brick, -8 to 15 along each axis; null: no element.
+  /// Displacement of a voxel by its place in the brick, -8 to 15 along each axis; null: no element.
   const Vec3f* move_at(const Vec3i& local) const {
     const SurroundingVoxel voxel = surrounding_voxel(local);
     const auto n = std::size_t(voxel.brick);
@@ -104,7 +104,7 @@ BrickMask CutBody::air_of(std::size_t b) const {
   return air;
 }
 
-/// The voxel itself where none is in reach.
+/// The owner of a voxel, which is the voxel itself where no element is in reach.
 CutBody::Owner CutBody::owner_of(const Vec3i& voxel) const {
   Owner owner{in_slice(voxel), side_of(voxel)};
   if (is_element(voxel)) return owner;
@@ -130,7 +130,7 @@ CutBody::Owner CutBody::owner_of(const Vec3i& voxel) const {
   return owner;
 }
 
-/// Whether elements within a box lead from one to another, over links that are cut or not.
+/// True if links within a box lead from one element to another; `over_cuts`: cut ones, too.
 bool CutBody::joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, bool over_cuts) const {
   const Vec3i size = box.hi - box.lo + Vec3i(1);
   std::vector<bool> is_reached(std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z));
@@ -160,8 +160,8 @@ const CutBody::Owner& CutBody::owner_of(const Vec3i& voxel, Owners& known) const
   return found != known.end() ? found->second : known.emplace(voxel, owner_of(voxel)).first->second;
 }
 
-/// Whether two elements are on different sides: parted by cuts in the smallest box around them in
-/// which tissue had joined them, or apart where none does.
+/// Tells how two elements are parted: by cuts in the smallest box around them in which tissue had
+/// joined them, or only when they have moved apart, where no box does.
 CutBody::Parting CutBody::parting_of(const Vec3i& a, const Vec3i& b) const {
   if (a == b || !is_element(a) || !is_element(b)) return Parting::none;
   IndexBox box{a, a};
@@ -203,7 +203,7 @@ BrickMask CutBody::contested_in(const VectorBricks& u, std::size_t b) const {
   return contested;
 }
 
-/// Those of the bricks in which it has changed.
+/// Finds contested air; returns those of the bricks in which it has changed.
 BrickList CutBody::find_contested(const VectorBricks& u, const BrickList& around) {
   std::vector<BrickMask> found(around.size());
   tbb::parallel_for(std::size_t(0), around.size(),
@@ -219,8 +219,8 @@ BrickList CutBody::find_contested(const VectorBricks& u, const BrickList& around
   return changed;
 }
 
-/// The air beside cut links and within a voxel of what is contested; bricks in which it has
-/// changed.
+/// Finds the air beside cut links and within a voxel of contested air. Returns the bricks in which
+/// it has changed.
 BrickList CutBody::find_air(const BrickList& bricks) {
   static constexpr BrickMask kNone{};
   std::vector<BrickMask> found(bricks.size());
@@ -286,7 +286,7 @@ void CutBody::find_candidates(std::size_t b, const AxisMasks& links) {
   }
 }
 
-/// Whether any link of the brick, or its place, is another than before.
+/// Finds the cut links of the brick; true if any of them or its place is another than before.
 bool CutBody::cut_links_in(const VectorBricks& u, std::size_t b) {
   OfBrick& brick = *m_bricks[b];
   const AxisMasks links = links_in_air(b);
@@ -307,7 +307,7 @@ bool CutBody::cut_links_in(const VectorBricks& u, std::size_t b) {
   return true;
 }
 
-/// Of an element beside the surface what its cut links say, since rounding has a say in planes.
+/// The side of a voxel; for an element beside the surface cut links decide, as planes are rounded.
 CutPlanes::Side CutBody::side_of(const Vec3i& voxel) const {
   CutPlanes::Side side = m_planes.side_of(Vec3d(voxel));
   if (!side.is_known || std::abs(side.distance) > kUndecided || !is_element(voxel)) return side;

@@ -59,7 +59,7 @@ CutBody::OfBrick& CutBody::touch(std::size_t b) {
   return *m_bricks[b];
 }
 
-/// Null where nothing is known of the voxel's brick.
+/// The brick of a voxel; null where nothing is known of it.
 const CutBody::OfBrick* CutBody::brick_of(const Vec3i& voxel, int& offset) const {
   const Vec3i at = in_slice(voxel);
   const std::int32_t b = m_voxels.find(at);
@@ -87,7 +87,7 @@ LinkCuts::Place CutBody::place(const Link& link) const {
   return brick->places[std::size_t(link.axis * kBrickVoxels + offset)];
 }
 
-/// Takes over the links of one brick; whether any of them is another.
+/// Takes over the links of one brick; true if any of them is another.
 bool CutBody::take_over(const LinkCuts& cuts, std::size_t element_brick) {
   const LinkCuts::BrickCuts* const given = cuts.brick(element_brick);
   const auto b = std::size_t(m_voxels.find(m_elements.origin(element_brick)));
@@ -148,7 +148,7 @@ void CutBody::fit_planes() {
   m_planes.fit(known);
 }
 
-/// The air within three voxels of a cut link, in these bricks.
+/// Marks the air within three voxels of a cut link, in these bricks.
 void CutBody::mark_beside_cuts(const BrickList& bricks) {
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;

@@ -52,15 +52,15 @@ class CutBody {
     int axis;
   };
 
-  /// Without cuts. `voxels`: elements and shell. Along an axis of `dims` with one slice, its copies
-  /// below and above count as voxels, too.
+  /// A body without cuts. `voxels`: elements and shell. Along an axis of `dims` with one slice, its
+  /// copies below and above count as voxels, too.
   CutBody(const BrickTopology& voxels, const BrickTopology& elements, const Vec3i& dims);
   /// `u`: on elements and shell; those of elements count. `cuts`: links between elements, bricks as
   /// in `elements`, which outlives the body.
   CutBody(const VectorBricks& u, const BrickTopology& elements, const LinkCuts& cuts,
           const Vec3i& dims);
 
-  /// Other cuts from the next follow() on.
+  /// Sets the cuts from the next follow() on.
   void set_cuts(const LinkCuts& cuts);
   struct Changes {
     BrickList links;   // of the voxels: in which links are cut or whole that were not
@@ -71,16 +71,16 @@ class CutBody {
 
   bool has_cuts() const { return !m_planes.empty() || m_cut_links > 0; }
   bool is_cut(const Vec3i& low, int axis) const;
-  /// Where the surface crosses a link that is cut; 0: unknown.
+  /// The place where the surface crosses a link that is cut; 0: unknown.
   LinkCuts::Place place(const Link& link) const;
   const BrickTopology& voxels() const { return m_voxels; }
   const BrickTopology& elements() const { return m_elements; }
   bool is_element(const Vec3i& voxel) const { return m_elements.is_active(in_slice(voxel)); }
-  /// Whether uncut links lead from one corner of a cell to another.
+  /// True if uncut links lead from one corner of a cell to another.
   bool connects(const Vec3i& from, const Vec3i& to) const;
   /// The voxels with the copies of a slice: cells begin in these bricks.
   const BrickTopology& cells() const { return m_cells; }
-  /// Sorted.
+  /// The parted cells that begin in brick b, sorted.
   const std::vector<PartedCell>& parted_in(std::size_t b) const { return m_parted[b]; }
 
  private:

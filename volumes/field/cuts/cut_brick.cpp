@@ -15,7 +15,7 @@ constexpr double kBent = 0.02;
 constexpr int kMostPieces = 64;
 // Places that were refined and are farther apart are different ones, in voxels.
 constexpr double kSameExactly = 5e-5;
-// Of offsets as long, to this many voxels, that of the first piece counts, not the rounding.
+// Offsets whose lengths differ by less, in voxels, are equal: that of the first piece is taken.
 constexpr double kSameLength = 1e-4;
 
 /// Along an axis with one slice only what comes from that slice counts, not from its copies.
@@ -26,13 +26,13 @@ bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
   return true;
 }
 
-/// Whether cells meet in a face that moved alike.
+/// True if cells meet in a face that moved alike.
 bool hold_together(const CutPiece& a, const CutPiece& b) {
   const Vec3i step = b.cell - a.cell;
   return step.dot(step) == 1 && a.is_joined_to(b);
 }
 
-/// Whether a piece goes on over the cell of another one.
+/// True if a piece goes on over the cell of another one.
 bool goes_over(const CutPiece& a, const CutPiece& b) {
   for (int axis = 0; axis < 3 && a.beyond != 0; ++axis) {
     if (a.from(axis) < 0 && b.cell[axis] < a.cell[axis]) return true;
@@ -41,15 +41,15 @@ bool goes_over(const CutPiece& a, const CutPiece& b) {
   return false;
 }
 
-/// Whether pieces that hold together may reach a place twice: where cells touch that have not moved
-/// alike there, which whole ones always have, and where one goes on over the other.
+/// True if pieces that hold together may reach a place twice: if one goes on over the other, or if
+/// their cells touch and have not moved alike there, as whole ones always have.
 bool may_overlap(const CutPiece& a, const CutPiece& b) {
   const bool are_whole = a.is_whole && b.is_whole;
   return a.cell == b.cell || goes_over(a, b) || goes_over(b, a) ||
          (!are_whole && a.joint_with(b) == CutPiece::Joint::torn);
 }
 
-/// Exactly that of the lattice where nothing bends.
+/// Offset of a place, exactly that of the lattice where nothing bends.
 Vec3d offset_of(const CutPiece& piece, const Vec3d& X, const Vec3d& x) {
   return piece.is_translated ? -Vec3d(piece.u[0]) : X - x;
 }
@@ -73,7 +73,7 @@ void CutBrick::for_parts(const CutPiece& piece, Visit&& visit) const {
   }
 }
 
-/// The number before of every piece, or -1. Both bricks have sides by their cells, then whole cells
+/// The former number of every piece, or -1. Both bricks have sides by their cells, then whole cells
 /// by their bricks.
 std::vector<std::int32_t> CutBrick::pieces_before(const CutBrick& before) const {
   const auto comes_first = [](const CutPiece& a, const CutPiece& b) {
@@ -191,7 +191,7 @@ class BrickLattice {
   std::array<VectorBrickView, kCellCorners> m_views;
 };
 
-/// Of the vectors at the corners of a cell, at a place in it.
+/// Interpolates the vectors at the corners of a cell at a place in it.
 static Vec3d interpolated_at(const Vec3d& t, const std::array<Vec3f, kCellCorners>& corners) {
   Vec3d sum(0);
   for (int n = 0; n < kCellCorners; ++n) {
@@ -202,7 +202,7 @@ static Vec3d interpolated_at(const Vec3d& t, const std::array<Vec3f, kCellCorner
   return sum;
 }
 
-/// Whether what is interpolated is what samples find, in the middle of the cell and of its parts.
+/// True if nodes give what samples find, to kBent, in the middle of the cell and of its parts.
 bool CutBrick::bends_little(int cell, const std::array<Vec3f, kCellCorners>& nodes,
                             const Vec3i& dims) const {
   const Vec3d low(m_origin + brick_local(cell));
@@ -216,7 +216,7 @@ bool CutBrick::bends_little(int cell, const std::array<Vec3f, kCellCorners>& nod
   return true;
 }
 
-/// Of the given cells.
+/// Finds the interpolated cells among the given ones.
 void CutBrick::find_interpolated(const VectorBrickFinder& finder, const Vec3i& dims,
                                  const BrickMask& cells) {
   const BrickLattice offsets(finder, m_origin);
@@ -246,7 +246,7 @@ void CutBrick::find_interpolated(const VectorBrickFinder& finder, const Vec3i& d
   });
 }
 
-/// The pieces that reach the parts of a cell, ascending; whether they are whole, and single.
+/// Finds the pieces that reach the parts of a cell, ascending; true if they are whole and single.
 bool CutBrick::reach_cell(const Vec3i& local, std::vector<std::int32_t>& reaching) const {
   const auto first = m_reaching.begin() + m_begin[part_of(Vec3d(m_origin + local))];
   const auto end = m_reaching.begin() + m_begin[part_of(Vec3d(m_origin + local)) + 1];
@@ -303,7 +303,7 @@ void CutBrick::for_found(const Vec3d& x, const Vec3i& dims, Visit&& visit) const
   }
 }
 
-/// Of a part whose places have one piece at most. Near the faces of cells nothing is told.
+/// Finds the piece at x in a part whose places have one at most; nullopt near faces of cells.
 std::optional<int> CutBrick::find_single(std::size_t part, const Vec3d& x, const Vec3i& dims,
                                          Vec3d& offset, int guess) const {
   // Candidate 0 is the guess.

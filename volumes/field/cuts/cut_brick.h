@@ -21,13 +21,13 @@ class CutBrick {
   /// Cells are told apart in eight parts, each with the pieces that reach it.
   static constexpr int kParts = 2, kPartDim = kParts * kBrickDim;
   static constexpr std::size_t kPartCount = std::size_t(kPartDim) * kPartDim * kPartDim;
-  /// What a brick has in common with what it was before.
+  /// Pieces and parts of a brick that are as they were before.
   struct Kept {
     std::vector<std::int32_t> piece;  // of every piece, its number before, or -1
     std::vector<bool> is_other_part;  // parts that other pieces reach than before
   };
-  /// After the last piece was added: which of them reach which part; takes over what it can from
-  /// the brick as it was `before`, or null.
+  /// Finds, after the last piece was added, which of them reach which part; takes over what it can
+  /// from the brick as it was `before`, or null.
   Kept find_reaching(const CutBrick* before);
   std::size_t part_of(const Vec3d& x) const;
 
@@ -44,12 +44,12 @@ class CutBrick {
   void find_interpolated(const VectorBrickFinder& offsets, const Vec3i& dims,
                          const BrickMask& cells);
   const BrickMask& interpolated() const { return m_interpolated; }
-  /// Until find_interpolated() looks at them.
+  /// Sets the interpolated cells until find_interpolated() looks at them.
   void set_interpolated(const BrickMask& cells) { m_interpolated = cells; }
   /// The place that find() gives, to rounding. `is_ambiguous`: tissue from another place has come
   /// to x, too, however near that is. False in the void.
   bool find_place(const Vec3d& x, const Vec3i& dims, Vec3d& place, bool& is_ambiguous) const;
-  /// Whether tissue lies at x that comes from elsewhere than what find() gives, by half a voxel or
+  /// True if tissue lies at x that comes from elsewhere than what find() gives, by half a voxel or
   /// more.
   bool is_overlapped(const Vec3d& x, const Vec3i& dims) const;
 

@@ -31,7 +31,7 @@ void set_box(const Vec3i& lo, const Vec3i& hi, const Vec3i& origin, BrickMask& m
   for (int x = first.x; x <= last.x; ++x) mask[std::size_t(x)] |= plane;
 }
 
-/// Nothing where both are zeros that are not stored.
+/// Copies a brick; does nothing where both are zeros that are not stored.
 void copy_brick(const Vec3f* from, std::size_t b, BrickVectors& to) {
   if (from == kZeroBrickOf<Vec3f> && to.brick(b) == nullptr) return;
   std::copy_n(from, kBrickVoxels, to.touch(b));
@@ -76,7 +76,7 @@ CutExtension::Rings CutExtension::rings_of(std::size_t b) const {
   return rings;
 }
 
-/// Of a voxel of a brick that touch() has made.
+/// The ring of a voxel of a brick that touch() has made.
 int CutExtension::ring_at(const Vec3i& voxel) const {
   const auto b = std::size_t(m_voxels.find(voxel));
   return m_bricks[b]->rings[std::size_t(brick_offset(voxel))];
@@ -137,7 +137,7 @@ BrickList CutExtension::filled_beside(const BrickList& seen, const BrickList& ch
   });
 }
 
-/// The voxels of lower rings, on the own side, around one.
+/// Voxels of lower rings around one, on its own side.
 std::vector<CutExtension::Carrier> CutExtension::carriers_of(const CutBody& body,
                                                              const Vec3i& voxel, int ring) const {
   const auto leads = [&](const Vec3i& from, const Vec3i& to) {
@@ -153,7 +153,7 @@ std::vector<CutExtension::Carrier> CutExtension::carriers_of(const CutBody& body
   return carriers;
 }
 
-/// Rings of the air beside parted cells, and what carries on to it.
+/// Plans the rings of air beside parted cells, and which voxels carry on to it.
 void CutExtension::plan(const CutBody& body, const BrickList& bricks) {
   for (const std::int32_t b : with_neighbours(m_voxels, bricks)) touch(std::size_t(b));
   for (const std::int32_t b : bricks) {

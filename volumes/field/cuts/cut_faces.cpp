@@ -10,12 +10,12 @@ namespace supple {
 namespace {
 
 constexpr double kBesideWidth = 0.8;
-// What a corner of a torn cell is away from the face at least, where the face is in the middle of
-// links and where it is a surface, and at most, in voxels.
+// Least and greatest distance of a torn cell's corner from the face, in voxels: of a face in the
+// middle of links, and (Exact) of one at a surface.
 constexpr double kLeast = 0.1, kLeastExact = 1e-3, kMost = 1.5, kMostExact = 2;
 // A face ends this far beyond the torn cells, in voxels.
 constexpr double kBesideTorn = 0.25;
-// Deeper than the nearest by more than this, a point is one of another face.
+// A point deeper than the nearest by more than this, in voxels, is one of another face.
 constexpr double kSameFace = 0.75;
 
 }  // namespace
@@ -31,7 +31,7 @@ CutFaces::CutFaces(const BrickTopology& cells, const Geometry& geometry, double 
   for (int a = 0; a < 3; ++a) m_axis_mm[a] = geometry.axes_mm()[std::size_t(a)].length();
 }
 
-/// Cells in bricks without a place that knows a face do not count.
+/// True if a cell is torn; cells in bricks without a place that knows a face do not count.
 bool CutFaces::is_torn(const Vec3i& cell) const {
   const std::int32_t b = m_bricks.find(cell);
   return b >= 0 && m_seen[std::size_t(b)] && mask_test(m_torn[std::size_t(b)], brick_offset(cell));
@@ -123,7 +123,7 @@ CutFaces::Depth CutFaces::depth_beyond(const Vec3d& X, const Vec3d& inside,
   return {sum / weights, gradient / weights};
 }
 
-/// From the planes of the points beside X, turned along `orientation`.
+/// Distance of X from the planes of the points beside it, turned along `orientation`.
 CutFaces::Distance CutFaces::signed_distance(const Vec3d& X, const Vec3d& orientation) const {
   double sum = 0, weights = 0;
   bool is_exact = true;

@@ -22,8 +22,8 @@ constexpr double kDeepestFace = 4, kBesideFace = 1.5;
 
 class CutFaces {
  public:
-  /// Without faces. `cells`: the bricks of torn cells. Sides closer than `closed` voxels show no
-  /// face.
+  /// Starts without faces. `cells`: the bricks of torn cells. Sides closer than `closed` voxels
+  /// show no face.
   CutFaces(const BrickTopology& cells, const Geometry& geometry, double closed);
 
   /// Follows torn cells that are others in these bricks. Returns the bricks of whose places the
@@ -52,8 +52,8 @@ class CutFaces {
 
   /// Torn cells beside one that is whole: bits 2 a and 2 a + 1, below and above along axis a.
   std::uint8_t torn_beside(const Vec3i& cell) const;
-  /// Where a cut ends in a cell that is whole, that cell is the end of the gap: distance of X in it
-  /// from its faces towards the torn cells `beside`, of which the nearest counts most.
+  /// Distance of X, in a whole cell in which a cut ends, from its faces towards the torn cells
+  /// `beside`, of which the nearest counts most: the cell is the end of the gap.
   Depth depth_of_end(const Vec3d& X, const Vec3i& cell, std::uint8_t beside) const;
 
   /// At the corners of a torn cell, the distance in voxels from the face of one side; positive at

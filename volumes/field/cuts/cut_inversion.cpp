@@ -1,4 +1,4 @@
-// What of a cut body reaches which bricks of the output, brick by brick of the source.
+// Bricks of the output that a cut body reaches, found brick by brick of the source.
 #include "volumes/field/cuts/cut_inversion.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace {
 constexpr double kNearFace = 3;
 constexpr double kNearCell = 1;
 
-/// Boxes of neighbours mostly are of the same bricks.
+/// Adds the bricks of a box; boxes of neighbours mostly are of the same bricks.
 void add_bricks_of(const CutBox& box, std::vector<Vec3i>& origins) {
   const IndexBox bricks = box.bricks();
   if (bricks.empty()) return;
@@ -126,8 +126,8 @@ void CutInversion::follow_moves(const VectorBricks& u, const DisplacedBricks& ch
   reach_moved(u, changed, beside, before);
 }
 
-/// What cells at the border move where they go on beyond it, as if they began at their corners. A
-/// trilinear cell has 2^m times its range half its length beyond m of its faces.
+/// Widens the moves of cells by those beyond the border, as if cells there began at their corners.
+/// Beyond m of its faces a trilinear cell has 2^m times its range, half its length away.
 void CutInversion::widen_at_border(const Vec3i& origin, CutBox& moves) const {
   double part = 0.5;
   Vec3d below(0), above(0);
@@ -176,7 +176,7 @@ void CutInversion::make_sides(const VectorBricks& u, const TornCells& torn, cons
   }
 }
 
-/// Corners of torn cells; bricks in which they are others.
+/// Finds the corners of torn cells; returns the bricks in which they are others.
 BrickList CutInversion::find_corners(const TornCells& torn, const BrickList& changed) {
   BrickList others;
   for (const std::int32_t number : changed) {
@@ -213,8 +213,8 @@ void CutInversion::replace_whole(const BrickList& bricks) {
   m_whole = BrickTopology(m_cells.index().origins(), std::move(masks));
 }
 
-/// The bricks around torn cells, and those which whole cells beside them reach, which share corners
-/// with them.
+/// Finds the bricks around torn cells, and those which whole cells beside them reach, which share
+/// corners with them.
 void CutInversion::find_near(const VectorBricks& u, const TornCells& torn,
                              const BrickList& bricks) {
   static constexpr BrickMask kNone{};

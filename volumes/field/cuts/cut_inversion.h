@@ -32,7 +32,7 @@ struct CutBox {
     add(other.lo);
     add(other.hi);
   }
-  /// In steps of bricks.
+  /// The box in steps of bricks.
   IndexBox bricks() const {
     IndexBox box;
     if (empty()) return box;
@@ -56,8 +56,8 @@ class CutInversion {
   /// Nothing moves. `cells`: the bricks of the displacement, which outlive the inversion.
   CutInversion(const BrickTopology& cells, const BrickTopology& elements, const Vec3i& dims);
 
-  /// Where something is other than before, in bricks of cells. Nothing is known of a displacement
-  /// before the first time only.
+  /// Bricks of cells in which something is other than before. Before the first time, and only then,
+  /// nothing is known of a displacement.
   struct Changes {
     const DisplacedBricks& u;
     BrickList torn, faces;
@@ -70,9 +70,9 @@ class CutInversion {
   /// Bricks in which the last follow() has changed them.
   const BrickList& whole_changed() const { return m_whole_changed; }
 
-  /// After follow(): the split bricks. `lattice`: the offsets of what is whole, which have changed
-  /// in the bricks at `touched`. Returns, sorted, the origins of all bricks that read other offsets
-  /// or faces than before.
+  /// Makes the split bricks, after follow(). `lattice`: the offsets of what is whole, which have
+  /// changed in the bricks at `touched`. Returns, sorted, the origins of all bricks that read other
+  /// offsets or faces than before.
   std::vector<Vec3i> split(const VectorBricks& u, const TornCells& torn, const CutFaces& faces,
                            const VectorBrickFinder& lattice, const std::vector<Vec3i>& touched,
                            Progress* progress);
@@ -81,16 +81,16 @@ class CutInversion {
     const auto found = m_split.find(origin);
     return found == m_split.end() ? nullptr : found->second.brick.get();
   }
-  /// Sorted by origin.
+  /// The split bricks, sorted by origin.
   const std::vector<std::shared_ptr<const SplitBrick>>& bricks() const { return m_bricks; }
   /// Bricks that split() has gathered since it was made.
   std::int64_t gathered() const { return m_gathered; }
 
   /// The offsets of split bricks at their nodes in place of those of `lattice`.
   VectorBricks joined(const VectorBricks& lattice) const;
-  /// Where tissue from several places lies: that of split bricks in place of what is there.
+  /// Voxels at which tissue from several places lies: in split bricks theirs replace the lattice's.
   BrickTopology overlaps(const BrickTopology& lattice) const;
-  /// Adds what whole() lacks.
+  /// Adds the counts of what whole() lacks.
   void count(const TornCells& torn, InversionCertificate& certificate) const;
 
  private:

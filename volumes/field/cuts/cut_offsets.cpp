@@ -77,7 +77,7 @@ void SplitBrick::solve(const SplitBrick* before, const Vec3i& dims) {
   }
 }
 
-/// What a piece has beside it.
+/// Finds the faces or torn cells beside a piece.
 static SplitBrick::Beside beside_of(const CutPiece& piece, const CutFaces& faces) {
   const CutFaces::Points* const seen = faces.seen_from(piece.cell);
   if (seen == nullptr || !piece.is_whole) return {seen, 0};

@@ -41,7 +41,7 @@ Displacement extend_past_cuts(Displacement displacement, const BrickTopology& ta
 OffsetField invert_cut(const Displacement& displacement, const CutElements& body,
                        const InvertParams& params = {}, Progress* progress = nullptr);
 
-/// Whether a cut of the body has opened, so that the displacement jumps.
+/// True if a cut of the body has opened, so that the displacement jumps.
 bool has_open_cut(const Displacement& displacement, const CutElements& body);
 
 class CutInversion;
@@ -59,7 +59,7 @@ class IncrementalCutInversion {
                           const InvertParams& params = {}, Progress* progress = nullptr);
   ~IncrementalCutInversion();
 
-  /// Other cuts from the next update on.
+  /// Sets the cuts from the next update on.
   void set_cuts(const LinkCuts& cuts);
   /// `displacement` has the voxels of the last one; `changed` lists the bricks of its topology
   /// whose vectors may differ, ascending. Returns, sorted, the origins of the bricks of offsets
@@ -69,14 +69,14 @@ class IncrementalCutInversion {
 
   /// The offsets on their lattice as they lie here, until the next update.
   VectorBrickFinder finder() const;
-  /// Where they jump; null: nowhere. The same object changes with the next update.
+  /// The bricks in which offsets jump; null: none. The same object changes with the next update.
   std::shared_ptr<const SplitOffsets> split() const;
-  /// Everything, copied, without a certificate; `split` is valid until the next update.
+  /// All offsets, copied, without a certificate; `split` is valid until the next update.
   OffsetField offsets() const;
   /// offsets() with the certificate; `displacement`: of the last update.
   OffsetField field(const Displacement& displacement) const;
 
-  /// What the last update made anew.
+  /// Counts of the bricks that the last update made anew.
   struct Work {
     std::int64_t extended_bricks = 0;  // of displacement in the air beside cuts
     std::int64_t split_bricks = 0;     // of the output
@@ -93,17 +93,17 @@ class IncrementalCutInversion {
 struct SplitBrick {
   explicit SplitBrick(const Vec3i& origin) : cut(origin) {}
 
-  /// After the last piece was added: its offsets at nodes, and where tissue overlaps; takes over
+  /// Finds, after the last piece was added, offsets at nodes, and where tissue overlaps; takes over
   /// what it can from the brick as it was `before`, or null.
   void solve(const SplitBrick* before, const Vec3i& dims);
-  /// Faces beside its pieces, of which some may be `known`.
+  /// Finds the faces beside its pieces, of which some may be `known`.
   void look_beside(const CutFaces& faces, bool known);
   VectorBrickView nodes() const {
     return mask_count(valid) == 0 ? VectorBrickView() : VectorBrickView{&valid, offsets.data()};
   }
 
-  /// What a piece has beside it: the points of faces, or, of a whole cell in which a cut ends, torn
-  /// cells.
+  /// The surroundings of a piece: the points of faces, or, of a whole cell in which a cut ends,
+  /// torn cells.
   struct Beside {
     const CutFaces::Points* seen;  // null: none
     std::uint8_t torn;
@@ -120,10 +120,10 @@ struct SplitBrick {
 
 class CutOffsets : public SplitOffsets {
  public:
-  /// Without bricks and faces.
+  /// Starts without bricks and faces.
   CutOffsets(const BrickTopology& cells, const Geometry& geometry);
 
-  /// Which of its places a follower of the body changes.
+  /// The faces, whose places a follower of the body changes.
   CutFaces& faces() { return m_faces; }
   /// `bricks`: sorted by origin.
   void set_bricks(const std::vector<std::shared_ptr<const SplitBrick>>& bricks);

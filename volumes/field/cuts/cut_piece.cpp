@@ -36,7 +36,7 @@ float largest(const Vec3f& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// Where the place `local` of the cell is now, relative to the cell, and its derivatives.
+/// The present place of `local` of the cell, relative to the cell, and its derivatives.
 Vec3d moved(const CutPiece& piece, const Vec3d& local, Vec3d (&columns)[3]) {
   const Vec3d& t = local;
   Vec3d sum(0);
@@ -340,7 +340,7 @@ inline Vec3f PieceMap::value(const Vec3f& eta) const {
          m_xyz * (eta.x * eta.y * eta.z);
 }
 
-/// Of the preconditioned map.
+/// The Jacobian of the preconditioned map.
 inline PieceMap::Jacobian PieceMap::jacobian(const Vec3f& eta) const {
   Jacobian j{m_xy * eta.y + m_xz * eta.z + m_xyz * (eta.y * eta.z),
              m_xy * eta.x + m_yz * eta.z + m_xyz * (eta.x * eta.z),
@@ -367,7 +367,7 @@ PieceMap::Outcome PieceMap::newton(const Vec3f& t, Vec3d& local) const {
     eta -= change;
     const float size = largest(change);
     if (!(largest(eta) <= 2)) return Outcome::undecided;
-    // What the step leaves is of second order in it; often that settles it without another look.
+    // The residual after a step is of second order in it; often that saves another look.
     if (size < 1 && m_bend * size * size <= m_tolerance) break;
   }
   const float reached = largest(eta);

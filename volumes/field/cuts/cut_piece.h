@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// Where a cell lies at the border of a volume of these dimensions and goes on beyond it: bits 2 a
+/// Sides on which a cell at the border of a volume of these dimensions goes on beyond it: bits 2 a
 /// and 2 a + 1, below and above along axis a. A volume of one slice has nothing beside it.
 std::uint8_t beyond_border(const Vec3i& cell, const Vec3i& dims);
 /// The lowest and highest places along an axis of a cell that goes on so, in its own frame.
@@ -47,7 +47,7 @@ struct CutPiece {
   CellCorners corners() const;
   /// The moved corners of all that the piece fills, beyond the border, too.
   CellCorners ends() const;
-  /// Whether a place of its cell, 0 to 1 along each axis, is on its side.
+  /// True if a place of its cell, 0 to 1 along each axis, is on its side.
   bool is_own(const Vec3d& local) const;
   /// The place X of the piece that is seen at x; false where the piece is not.
   bool source_of(const Vec3d& x, Vec3d& X) const;
@@ -56,7 +56,7 @@ struct CutPiece {
   /// X, a place found for x, solved for to rounding; X itself where the piece is flat there. False
   /// where that leads out of the cell, so that the place is one of the cell beside.
   bool refine(const Vec3d& x, Vec3d& X) const;
-  /// Whether x + offset is a place of the piece that is seen at x, both to a thousandth of a voxel.
+  /// True if x + offset is a place of the piece that is seen at x, both to a thousandth of a voxel.
   bool has(const Vec3d& x, const Vec3d& offset) const;
   /// (dX/dx)^T g of a place X of the piece or beyond it; g itself where the piece is flat there.
   Vec3d pull_back(const Vec3d& X, const Vec3d& gradient) const;
@@ -68,9 +68,9 @@ struct CutPiece {
   };
   Joint joint_with(const CutPiece& other) const;
   bool is_joined_to(const CutPiece& other) const { return joint_with(other) == Joint::joined; }
-  /// Whether a place X of the piece lies beyond the border, where it goes on.
+  /// True if a place X of the piece lies beyond the border, where the piece goes on.
   bool is_beyond(const Vec3d& X) const;
-  /// What lies at a place X of the piece: beyond the border no more than the surface of tissue.
+  /// The content at a place X of the piece: beyond the border no more than the surface of tissue.
   Content content_at(const Vec3d& X) const;
   /// |X + u(X) - x|.
   double residual(const Vec3d& x, const Vec3d& X) const;
@@ -99,7 +99,7 @@ class PieceMap {
     }
     return newton(t, local);
   }
-  /// Neither folded nor nearly flat.
+  /// True if the map is neither folded nor nearly flat.
   bool is_regular() const { return m_is_regular; }
   /// (dX/dx)^T g at a place of the cell or near it, of a regular one.
   Vec3d pull_back(const Vec3d& local, const Vec3d& gradient) const;
@@ -109,7 +109,7 @@ class PieceMap {
     Vec3f x, y, z;  // columns
   };
   Outcome newton(const Vec3f& t, Vec3d& local) const;
-  /// In the frame of the cell, of a place in that of the piece, -1/2 to 1/2.
+  /// Takes a place in the frame of the piece, -1/2 to 1/2, to that of the cell.
   Vec3d local_of(const Vec3f& eta) const;
   Vec3f value(const Vec3f& eta) const;
   Jacobian jacobian(const Vec3f& eta) const;

@@ -58,7 +58,7 @@ void CutPlanes::add(const Vec3d& at, int axis) {
   m_points.push_back({at, along, axis});
 }
 
-/// Whether both have the same crossings in a block, in the same order.
+/// True if both have the same crossings in a block, in the same order.
 bool CutPlanes::has_same_block(const CutPlanes& other, const Vec3i& block) const {
   const auto own = m_blocks.find(block), theirs = other.m_blocks.find(block);
   if (own == m_blocks.end() || theirs == other.m_blocks.end()) {

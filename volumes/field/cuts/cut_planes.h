@@ -22,7 +22,7 @@ Vec3d plane_normal(const std::vector<Vec3d>& points, const Vec3d& guess);
 
 class CutPlanes {
  public:
-  /// A place where the surface crosses a link along `axis`, index space.
+  /// Adds a place where the surface crosses a link along `axis`, index space.
   void add(const Vec3d& at, int axis);
   /// Fits the planes to the crossings that were added; `known` has some of them.
   void fit(const CutPlanes& known);

@@ -14,8 +14,8 @@ namespace supple {
 
 namespace {
 
-// So near to a surface, in voxels, links that it does not cross are cut where shells of air meet,
-// and their middles tell nothing about its place.
+// Within this distance of a surface, in voxels, links that it does not cross are cut where shells
+// of air meet, and their middles tell nothing about its place.
 constexpr double kBesideSurface = 2.5;
 
 struct LinkLess {
@@ -31,7 +31,7 @@ Vec3i brick_origin(const Vec3i& voxel) {
 
 using Openings = std::map<CutBody::Link, Vec3d, LinkLess>;
 
-/// How far apart the middles of the cut links of a cell are, of those links that are in a brick.
+/// Adds how far apart the middles of a cell's cut links are, for the links that are in a brick.
 void add_openings(const TornCell& cell, const Vec3i& origin, Openings& openings) {
   for (int axis = 0; axis < 3; ++axis) {
     const int bit = 4 >> axis;
@@ -50,7 +50,7 @@ void add_openings(const TornCell& cell, const Vec3i& origin, Openings& openings)
 
 }  // namespace
 
-/// Of the links that begin in a brick; of several cells around a link the first one counts.
+/// Openings at links that begin in a brick; of several cells around a link the first one counts.
 std::vector<CutFaces::Opening> CutFaces::openings_in(const TornCells& torn, const CutBody& body,
                                                      std::size_t b) const {
   const Vec3i& origin = m_bricks.origin(b);
@@ -73,7 +73,7 @@ std::vector<CutFaces::Opening> CutFaces::openings_in(const TornCells& torn, cons
   return openings;
 }
 
-/// Points without planes. Beside a surface middles of links are none.
+/// Finds points, without planes. Beside a surface middles of links are no points.
 std::unique_ptr<CutFaces::BrickPoints> CutFaces::points_of(std::size_t b) const {
   const std::vector<Opening>& openings = m_openings[b];
   if (openings.empty()) return nullptr;
@@ -97,7 +97,7 @@ std::unique_ptr<CutFaces::BrickPoints> CutFaces::points_of(std::size_t b) const 
   return points;
 }
 
-/// Whether a surface that is known crosses links beside a place.
+/// True if a known surface crosses links beside a place.
 bool CutFaces::is_beside_surface(const Vec3d& X) const {
   const Vec3i lo = floor_voxel(X - Vec3d(kBesideSurface + 1)),
               hi = floor_voxel(X + Vec3d(kBesideSurface));
@@ -189,7 +189,7 @@ BrickList CutFaces::follow(const TornCells& torn, const CutBody& body, const Bri
         (now == nullptr) == (before[n] == nullptr) && (now == nullptr || *now == *before[n]);
     if (!is_same) others = unite(others, {marked[n]});
   }
-  // What places know of them.
+  // Places around the changed bricks see their points anew.
   const BrickList seeing = with_neighbours(m_bricks, others);
   in_parallel(seeing, [&](std::size_t, std::size_t b) { m_seen[b] = seen_in(b); });
   return unite(seeing, with_neighbours(m_bricks, torn_others));
@@ -250,7 +250,7 @@ void CutFaces::list_seen(const Point& point, const Vec3i& origin, Seen& seen) {
   }
 }
 
-/// Least squares in mm; the normal points along the link.
+/// Fits the plane by least squares in mm; the normal points along the link.
 void CutFaces::fit_plane(Point& point) const {
   std::vector<Vec3d> near;
   for_near(point.at, [&](const Point& other) {

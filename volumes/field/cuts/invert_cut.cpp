@@ -13,7 +13,7 @@ namespace supple {
 
 namespace {
 
-/// What is torn of a body, and the bricks of the output that it splits.
+/// The torn cells of a body, and the bricks of the output that they split.
 struct CutFollower {
   /// `cells`: the bricks of u.
   CutFollower(const BrickTopology& cells_of_u, const BrickTopology& elements,
@@ -31,7 +31,7 @@ struct CutFollower {
     const BrickList faces_changed = offsets->faces().follow(torn, body, torn_changed);
     inversion.follow(u, torn, offsets->faces(), {moved, torn_changed, faces_changed});
   }
-  /// The bricks that read others than before, after follow() and what is whole.
+  /// Splits bricks after follow() and the inversion of the rest; returns those that read others.
   std::vector<Vec3i> split(const VectorBricks& u, const VectorBrickFinder& lattice,
                            const std::vector<Vec3i>& touched, Progress* progress) {
     std::vector<Vec3i> others =

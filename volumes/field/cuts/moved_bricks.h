@@ -1,4 +1,4 @@
-// Where a displacement is another than before, voxel by voxel, and what it was there.
+// Voxels at which a displacement is another than before, and their former vectors.
 #pragma once
 
 #include <vector>
@@ -14,10 +14,10 @@ struct DisplacedBrick {
   std::vector<Vec3f> before;  // of all voxels of the brick; empty: nothing is known of before
 };
 
-/// Ascending.
+/// Displaced bricks, ascending.
 using DisplacedBricks = std::vector<DisplacedBrick>;
 
-/// Everything, of which nothing is known before.
+/// All bricks, of whose former vectors nothing is known.
 DisplacedBricks all_moved(const BrickTopology& topology);
 BrickList numbers_of(const DisplacedBricks& moved);
 /// The entry of the brick with this number, or null.

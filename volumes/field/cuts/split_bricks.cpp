@@ -19,7 +19,7 @@ Vec3i brick_step(const Vec3i& origin) {
   return {origin.x >> 3, origin.y >> 3, origin.z >> 3};
 }
 
-/// Whether a cell with these corners reaches a box.
+/// True if a cell whose corners move like this reaches a box.
 bool reaches(const Vec3i& cell, const std::array<Vec3f, 8>& u, const CutBox& box) {
   for (int a = 0; a < 3; ++a) {
     double lo = HUGE_VAL, hi = -HUGE_VAL;
@@ -46,7 +46,7 @@ struct PieceRun {
   const CutPiece *begin = nullptr, *end = nullptr;
 };
 
-/// Those that are the whole cells of one source: sides come first, then sources ascending.
+/// Pieces that are whole cells of one source: sides come first, then sources ascending.
 PieceRun whole_pieces_of(const CutBrick& brick, const Vec3i& source) {
   const auto comes_before = [](const CutPiece& piece, const Vec3i& origin) {
     return !piece.is_whole || voxel_less(brick_step(piece.cell), brick_step(origin));
@@ -230,7 +230,7 @@ std::vector<Vec3i> CutInversion::split(const VectorBricks& u, const TornCells& t
                                        const CutFaces& faces, const VectorBrickFinder& lattice,
                                        const std::vector<Vec3i>& touched, Progress* progress) {
   std::vector<Vec3i> others = gather_all(u, torn, progress);
-  // Of split bricks nobody reads what the lattice has.
+  // Nobody reads the offsets that the lattice has in split bricks.
   std::copy_if(touched.begin(), touched.end(), std::back_inserter(others),
                [&](const Vec3i& origin) { return m_split.count(origin) == 0; });
   sort_unique(others);

@@ -35,7 +35,7 @@ void for_split_in(const IndexBox& box, Splits& splits, Visit&& visit) {
 
 using CellVectors = std::array<const Vec3f*, kCellCorners>;  // of a brick and of those above it
 
-/// Where a cell is with such vectors.
+/// Box that a cell takes up with such vectors.
 CutBox moved_box(const Vec3i& origin, int cell, const CellVectors& vectors, const Vec3i& dims) {
   CutBox box;
   std::array<Vec3f, 8> moves;
@@ -64,8 +64,8 @@ std::size_t end_of_cell(const std::vector<CutPiece>& pieces, std::size_t first) 
 
 }  // namespace
 
-/// Of the cells that begin in bricks `beside` those that moved: of both what they reach and what
-/// they have reached.
+/// Marks the split bricks that moved cells reach, and those that they have reached, as stale: cells
+/// that begin in bricks `beside`.
 void CutInversion::reach_moved(const VectorBricks& u, const DisplacedBricks& moved,
                                const BrickList& beside, const std::vector<IndexBox>& reach_before) {
   if (m_split.empty()) return;

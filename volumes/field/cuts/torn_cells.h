@@ -20,7 +20,7 @@ class TornCells {
   BrickList follow(const VectorBricks& u, const CutBody& body, const BrickList& moved,
                    const BrickList& parted, double closed);
 
-  /// Sorted.
+  /// The torn cells that begin in brick b, sorted.
   const std::vector<TornCell>& in(std::size_t b) const { return m_cells[b]; }
   const BrickTopology& bricks() const { return m_bricks; }
   std::int64_t count() const { return m_count; }

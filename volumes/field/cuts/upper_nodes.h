@@ -11,7 +11,7 @@ namespace supple {
 class UpperNodes {
  public:
   bool are_known() const { return m_are_known; }
-  /// Reads those of the brick at `origin`. Returns the cells of which one is another than before.
+  /// Reads the nodes above the brick at `origin`; returns the cells with another one than before.
   BrickMask follow(const VectorBrickFinder& lattice, const Vec3i& origin);
 
  private:

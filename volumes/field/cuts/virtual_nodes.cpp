@@ -54,7 +54,7 @@ class ViewGroups {
       }
     }
   }
-  /// The number of its group for every view, from 0.
+  /// Gives every view the number of its group, from 0.
   void finish() {
     std::vector<int> number(m_views.size(), -1);
     for (std::size_t n = 0; n < m_views.size(); ++n) {
@@ -119,7 +119,7 @@ bool is_closed(const TornCell& torn, double closed) {
 
 }  // namespace
 
-/// What a cell shares with others follows from those that share corners with it.
+/// Nodes that a cell shares with others follow from the cells that share corners with it.
 VirtualNodes::VirtualNodes(const BrickTopology& voxels, const CutBody& body, std::size_t b) {
   const auto place_of = [&](const Vec3i& voxel) {
     return voxels.is_active(voxel) ? Place{voxels.find(voxel), brick_offset(voxel)} : Place();

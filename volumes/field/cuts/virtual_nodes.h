@@ -1,4 +1,4 @@
-// What the sides of the parted cells of a brick have where their own corners end, as a plan: which
+// A plan for the nodes of sides of a brick's parted cells that are not their own corners: which
 // voxels carry on to which corner. It follows from the cut links alone, so that displacements are
 // followed by evaluating it. Cells that share a corner of a side share what they extrapolate, so
 // that a side is continuous from cell to cell. Cost: about 5 µs and 0.5 kB per parted cell once,
@@ -25,10 +25,10 @@ struct TornCell {
 
 class VirtualNodes {
  public:
-  /// Of the parted cells that begin in brick b of the body's cells. `voxels`: those of u.
+  /// Plans for parted cells that begin in brick b of the body's cells. `voxels`: those of u.
   VirtualNodes(const BrickTopology& voxels, const CutBody& body, std::size_t b);
 
-  /// Those of the cells whose sides are anywhere further apart than `closed` voxels, sorted.
+  /// The cells whose sides are anywhere further apart than `closed` voxels, sorted.
   std::vector<TornCell> torn(const BrickVectors& u, double closed) const;
 
  private:
