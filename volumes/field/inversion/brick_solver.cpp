@@ -63,7 +63,7 @@ void BrickSolver::solve_borders(const SourceCells& cells, const CellContents& co
   }
 }
 
-/// The half voxel beside a cell, on the sides that are not 0.
+/// Solves the half voxel beside a cell, on the sides that are not 0.
 void BrickSolver::solve_beyond(const SourceCells& cells, int offset, const Vec3i& side) {
   const Vec3i cell = cells.origin + brick_local(offset);
   Vec3f shift;

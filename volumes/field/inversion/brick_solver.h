@@ -16,7 +16,7 @@ struct BrickFindings {
   double min_det = 1;  // of cells of tissue
 };
 
-/// With scratch memory: one per thread.
+/// Solves brick after brick. It holds scratch memory: one per thread.
 class BrickSolver {
  public:
   /// `dims`: of the source volume. Both must outlive the solver.

@@ -25,7 +25,7 @@ bool in_tetrahedron(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d&
 /// A polynomial of degree 2 along every axis, in Bernstein's basis on the cell: [x][y][z].
 using DetCoefficients = std::array<std::array<std::array<double, 3>, 3>, 3>;
 
-/// Of det(I + grad u): products of the edges, each of degree 1 along the two other axes.
+/// Coefficients of det(I + grad u): products of edges, each of degree 1 along the two other axes.
 DetCoefficients det_coefficients(const CellCorners& corners) {
   Vec3d ex[2][2], ey[2][2], ez[2][2];  // by the two other axes
   for (int n = 0; n < 4; ++n) {

@@ -15,7 +15,7 @@ struct CellCorners {
 /// Smallest det(I + grad u) over the eight corners.
 double min_corner_det(const CellCorners& corners);
 
-/// Whether det(I + grad u) is 0 or below anywhere in the cell, though it may be positive at all
+/// True if det(I + grad u) is 0 or below anywhere in the cell, though it may be positive at all
 /// corners: its 27 coefficients in Bernstein's basis bound it, and halves of the cell bound it more
 /// closely, down to 1/64 of an edge. Parts that are still undecided there count as folded.
 bool is_folded(const CellCorners& corners);

@@ -194,7 +194,7 @@ inline bool DeformedCell::newton(const Target& target, Vec3d& eta) const {
     jacobian(eta, jx, jy, jz);
     const Vec3d change = newton_step(jx, jy, jz, residual);
     eta = clamp(eta - change, 2);
-    // What the step leaves is of second order in it; often that settles it without another look.
+    // The residual after a step is of second order in it; often that saves another look.
     const double size = max_abs(change);
     if (!m_singular && size < 1 && m_bend * size * size <= target.tolerance) return true;
   }

@@ -49,7 +49,7 @@ std::int32_t upper_brick(const BrickTopology& bricks, std::size_t b, int n) {
   return bricks.find(bricks.origin(b) + cell_corner(n) * kBrickDim);
 }
 
-/// Whether some voxel of the mask is 0 along x where n & 4, along y where n & 2, z where n & 1.
+/// True if some voxel of the mask is 0 along x where n & 4, along y where n & 2, z where n & 1.
 bool has_lowest(const BrickMask& mask, int n) {
   constexpr std::uint64_t kAll = ~std::uint64_t(0);
   const std::uint64_t rows = (n & 2 ? 0xff : kAll) & (n & 1 ? 0x0101010101010101 : kAll);

@@ -19,8 +19,8 @@ struct VectorRange {
   bool is_zero() const { return empty() || (lo == Vec3f(0) && hi == Vec3f(0)); }
 };
 
-/// Of the valid voxels of one brick; [n]: of those whose coordinate is 0 along x where n & 4, along
-/// y where n & 2, along z where n & 1, which are corners of the cells of a lower neighbour.
+/// Ranges of one brick's valid voxels; [n]: of those whose coordinate is 0 along x where n & 4,
+/// along y where n & 2, along z where n & 1, which are corners of the cells of a lower neighbour.
 using BrickRanges = std::array<VectorRange, 8>;
 
 /// The ranges of a field. Bricks that are not stored rest, and cost 4 bytes each.

@@ -122,7 +122,7 @@ void ForwardOffsets::find_reached() {
   set_bricks(std::move(origins));
 }
 
-/// Whether the voxel nearest to y is an element.
+/// True if the voxel nearest to y is an element.
 bool ForwardOffsets::is_tissue(const Vec3d& y) const {
   return m_elements == nullptr || m_elements->is_active(floor_voxel(y + Vec3d(0.5)));
 }
@@ -155,8 +155,8 @@ int ForwardOffsets::seed_node(std::size_t b, const Vec3i& low) const {
   return mask_test(known, middle) ? middle : -1;
 }
 
-/// Where some nodes of a moving brick go, for samples beside them to begin with; tissue goes before
-/// air, then the shortest way wins.
+/// Plants some nodes of a moving brick where they go, for samples there to begin with; tissue goes
+/// before air, then the shortest way wins.
 void ForwardOffsets::plant_seeds(std::size_t b, const BrickIndex& index,
                                  std::vector<Reached>& reached) const {
   const Vec3i& origin = m_u.topology.origin(b);
@@ -243,7 +243,7 @@ void ForwardOffsets::set_derivatives(const Float4 (&corners)[8], const Vec3f& f,
   place.along[2] = to_vector(d.along_z);
 }
 
-/// Where the border voxels have ended, too.
+/// True where not even border voxels reach, half a voxel beyond their centres.
 bool ForwardOffsets::is_beyond_border(const Vec3d& y) const {
   for (int a = 0; a < 3; ++a) {
     if (y[a] < -kBeyondBorder || y[a] > m_dims[a] - 1 + kBeyondBorder) return true;

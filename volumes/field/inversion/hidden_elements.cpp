@@ -17,7 +17,7 @@ namespace supple {
 
 namespace {
 
-// Voxels. With it the distance of places that are a voxel apart but for rounding.
+// Distance of places that are a voxel apart, with room for rounding; voxels.
 constexpr double kApart = 1 + 1e-4;
 
 /// The offset at x of those nodes around that hold one; false where none does.
@@ -66,7 +66,7 @@ class HiddenCount {
   }
 
  private:
-  /// Whether all elements are where they were and are seen there.
+  /// True if all elements are where they were and are seen there.
   bool is_still(const Vec3i& origin, const BrickMask& elements, const Vec3f* u) const {
     if (m_field.split != nullptr) return false;
     const std::int32_t b = m_field.o.topology.find(origin);
@@ -76,7 +76,7 @@ class HiddenCount {
     return are_zeros(u) && are_zeros(o);
   }
 
-  /// Whether all elements went to where no offsets are wanted.
+  /// True if all elements went where no offsets are wanted.
   bool is_elsewhere(const Vec3i& origin, const BrickMask& elements, const Vec3f* u) const {
     if (!m_wants) return false;
     Vec3d lo(HUGE_VAL), hi(-HUGE_VAL);
@@ -92,7 +92,7 @@ class HiddenCount {
     return std::none_of(origins.begin(), origins.end(), m_wants);
   }
 
-  /// Whether offsets are wanted at all nodes around a place.
+  /// True if offsets are wanted at all nodes around a place.
   bool is_wanted(const Vec3d& x) const {
     if (!m_wants) return true;
     const Vec3i low = floor_voxel(x);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMaxListed = 1000;
 
-/// Parallel over all numbers in chunks, with progress and cancellation between them.
+/// Runs `body` in parallel over all numbers, in chunks with progress and cancellation between.
 template <class Body>
 void for_numbers(const std::vector<std::size_t>& numbers, Progress* progress, Body&& body) {
   constexpr std::size_t kChunk = 4096;
@@ -41,7 +41,7 @@ std::vector<Number> all_numbers(std::size_t count) {
 
 }  // namespace
 
-/// What one thread works with.
+/// Solver and scratch memory of one thread.
 struct Inversion::Worker {
   Worker(const Vec3i& dims, const InvertParams& params) : solver(dims, params) {}
 
@@ -104,7 +104,7 @@ void Inversion::solve_source(const VectorBricks& u, Source& source, OffsetAccumu
   worker.doubts.insert(worker.doubts.end(), results.doubts.begin(), results.doubts.end());
 }
 
-/// The zeros of resting cells with corners in the output bricks.
+/// Merges the zeros of resting cells with corners in the output bricks.
 void Inversion::merge_resting(const VectorBricks& u, OffsetAccumulator& accumulator) const {
   const std::vector<Vec3i>& outputs = accumulator.bricks().index().origins();
   std::vector<std::int32_t> beside;
@@ -157,7 +157,7 @@ VectorBricks Inversion::solve_sources(const VectorBricks& u,
   tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(m_dims, m_params); });
   for_numbers(sources, progress,
               [&](std::size_t n) { solve_source(u, m_sources[n], accumulator, workers.local()); });
-  // What the quick solves left open.
+  // Nodes that the quick solves left open.
   std::vector<OpenNode> doubts;
   for (const Worker& part : workers) {
     std::copy_if(part.doubts.begin(), part.doubts.end(), std::back_inserter(doubts),
@@ -267,7 +267,7 @@ VectorBricks Inversion::with_resting(const BrickTopology& bricks, const BrickInd
 
 bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int32_t>& changed,
                               std::vector<Vec3i>& touched, VectorBricks& offsets) {
-  // What the cells with a changed corner reached, and what they reach now.
+  // Bricks that the cells with a changed corner reached, and those that they reach now.
   const std::vector<std::int32_t> affected = with_lower_neighbours(u.topology, changed);
   BrickIndex reached;
   const auto add = [&](const Vec3i& origin) { reached.add(origin); };

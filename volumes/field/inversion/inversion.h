@@ -55,7 +55,7 @@ class Inversion {
   void solve_source(const VectorBricks& u, Source& source, OffsetAccumulator& accumulator,
                     Worker& worker) const;
   void merge_resting(const VectorBricks& u, OffsetAccumulator& accumulator) const;
-  /// Of the bricks in reach those that are wanted, and the sources that reach one of them.
+  /// The wanted ones of the bricks in reach, and the sources that reach one of them.
   std::vector<Vec3i> wanted_of(const std::vector<Vec3i>& origins) const;
   std::vector<std::size_t> sources_reaching(const OffsetAccumulator& accumulator) const;
   void settle(const VectorBricks& u, const std::vector<OpenNode>& doubts,

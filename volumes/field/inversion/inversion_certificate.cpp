@@ -77,7 +77,7 @@ class Probe {
   std::array<float, kBrickVoxels> m_residuals;
 };
 
-/// By look-up in the sparse field.
+/// Measures a residual by look-up in the sparse field.
 void Probe::measure_far(const Vec3d& pos, const Vec3f& offset, ResidualHistogram& histogram) const {
   if (starts_in_folded_cell(m_u, m_folded, pos)) return;
   Vec3d moved;
@@ -103,8 +103,8 @@ void Probe::measure_brick(const Vec3i& origin, const VectorBrickView& offsets,
   });
 }
 
-/// Where no offset is other than 0, u at the voxel itself is the residual. False elsewhere, or when
-/// such a voxel is no source.
+/// Measures a brick whose offsets are all 0: u at the voxels themselves is the residual. False for
+/// other bricks, or when such a voxel is no source.
 bool Probe::measure_still(const Vec3i& origin, const VectorBrickView& offsets,
                           ResidualHistogram& histogram) const {
   if (!are_zeros(offsets.vectors)) return false;

@@ -60,7 +60,7 @@ struct IncrementalInversion::Impl {
   void give_up(Brick*& brick);
   void measure(const VectorBricks& u);
   VectorBrickView find(const Vec3i& origin) const;
-  /// Ascending.
+  /// Origins of the bricks, ascending.
   std::vector<Vec3i> origins() const;
 
   Geometry geometry;

@@ -18,7 +18,7 @@ struct InvertParams {
   /// The elements: tissue, which hides the air that u carries along around it, and whose folds and
   /// overlaps are counted apart from those of air; null: everything is tissue.
   const BrickTopology* material = nullptr;
-  /// Whether offsets are wanted in the output brick whose smallest voxel this is; null: in all.
+  /// True if offsets are wanted in the output brick whose smallest voxel this is; null: in all.
   /// Unwanted bricks that moving ones reach hold none, and the certificate leaves out source bricks
   /// that reach no wanted one. From any thread; for invert() alone.
   std::function<bool(const Vec3i& origin)> wants;
@@ -61,7 +61,7 @@ class IncrementalInversion {
 
   /// The offsets as they lie here, until the next update.
   VectorBrickFinder finder() const;
-  /// Everything, copied, without a certificate.
+  /// All offsets, copied, without a certificate.
   OffsetField offsets() const;
   /// Measures the residuals of what was solved since they were last asked for, a third of the time
   /// that solving it took. `displacement`: of the last update, or of the construction; with another

@@ -9,7 +9,7 @@
 
 namespace supple {
 
-// As in deformed_cell.cpp.
+// These have the same values as in deformed_cell.cpp.
 constexpr float kEdge = 1e-5f;
 constexpr float kNodeSlack = 1e-5f;
 constexpr float kInjectiveHalf = 0.75f;

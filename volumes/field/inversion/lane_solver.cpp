@@ -162,7 +162,7 @@ void LaneSolver::Scratch::solve_lanes(int start, int count) {
     for (int a = 0; a < 3; ++a) {
       eta[a] = select(moving, clamp(eta[a] - change[a], 2), eta[a]);
     }
-    // What the step leaves is of second order in it; often that settles it without another look.
+    // The residual after a step is of second order in it; often that saves another look.
     const Lanes size = max_component(magnitude(change));
     done |= moving & (size < 1.0f) & (b[12] * size * size <= tolerance);
     // A solution further away would not be taken; whether there is one inside stays open.

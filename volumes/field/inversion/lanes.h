@@ -40,7 +40,7 @@ inline Lanes clamp(const Lanes& v, float half) {
   return smaller(larger(v, broadcast(-half)), broadcast(half));
 }
 
-/// For |v| < 2^31.
+/// Largest whole numbers that are not above v, for |v| < 2^31.
 inline Lanes floor_lanes(const Lanes& v) {
   const Lanes cut = __builtin_convertvector(__builtin_convertvector(v, LaneInts), Lanes);
   return cut - select(cut > v, broadcast(1), Lanes{});
@@ -55,7 +55,7 @@ inline LaneInts lanes_of_bits(unsigned bits) {
                              1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15};
   return ((LaneInts{} + int(bits)) & kBit) != 0;
 }
-/// Bit n: the sign of lane n.
+/// Lanes as bits: bit n is the sign of lane n.
 inline unsigned bits_of_lanes(const LaneInts& condition) {
 #if defined(__AVX512DQ__)
   return unsigned(_mm512_movepi32_mask(__m512i(condition)));

@@ -45,7 +45,7 @@ class OutputBox {
       }
     }
   }
-  /// Of a node in the box; -1 where there is none.
+  /// Number of the brick that holds a node in the box; -1 where there is none.
   std::int32_t at(const Vec3i& node) const {
     const int x = (node.x >> 3) - m_lo.x, y = (node.y >> 3) - m_lo.y, z = (node.z >> 3) - m_lo.z;
     return m_found[(std::size_t(x) * m_dims.y + y) * m_dims.z + z];
@@ -74,7 +74,7 @@ bool OffsetAccumulator::has_taken(std::int32_t b, int offset, Content content) c
                    offset);
 }
 
-/// Of a brick that this thread has locked.
+/// Stores the offset of a node in a brick that this thread has locked.
 inline void OffsetAccumulator::put(std::int32_t b, int offset, const Vec3f& o) {
   if (m_vectors.brick(std::size_t(b)) == nullptr) {
     if (o == Vec3f(0)) return;

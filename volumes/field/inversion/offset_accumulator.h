@@ -33,7 +33,7 @@ class OffsetAccumulator {
   /// `origins`: sorted, unique origins of the output bricks; solutions in others are dropped.
   explicit OffsetAccumulator(std::vector<Vec3i> origins);
 
-  /// Thread-safe.
+  /// Merges solutions; thread-safe.
   void merge(const std::vector<NodeSolution>& hits);
   /// The same for nodes within a box, faster; drops the doubts that holds() settles by now.
   void merge(const IndexBox& reach, const std::vector<NodeSolution>& hits,
@@ -47,7 +47,7 @@ class OffsetAccumulator {
   /// True when a node of the box falls into an output brick.
   bool is_reached_by(const IndexBox& reach) const;
 
-  /// Thread-safe: whether the node has a solution by now, of such a content at least.
+  /// True if the node has a solution by now, of such a content at least; thread-safe.
   bool holds(const Vec3i& node, Content content);
 
   /// Nodes to which tissue has come from several places, more than half a voxel apart; after all

@@ -15,7 +15,7 @@ std::size_t place_above(const Vec3i& up) {
   return std::size_t(place);
 }
 
-/// Whether the brick's own voxels and all those above it are there.
+/// True if all voxels of the brick and of those above it are there.
 bool is_inside(const Surroundings& around, const std::vector<std::uint8_t>& full) {
   for (int n = 0; n < 8; ++n) {
     const std::int32_t upper = around[place_above(cell_corner(n))];
@@ -33,7 +33,7 @@ RestingBrick::RestingBrick(const BrickTopology& voxels, const std::vector<std::u
   if (rests(std::int32_t(b)) && is_inside(around, full)) return;
   const MasksAround masks = masks_around(
       around, [&](std::int32_t n) -> const BrickMask& { return voxels.mask(std::size_t(n)); });
-  // Of the brick and those below it.
+  // Cells of the brick and of those below it.
   std::array<BrickMask, 8> cells{};
   for (int n = 0; n < 8; ++n) {
     const Vec3i down = cell_corner(n);

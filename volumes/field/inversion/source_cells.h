@@ -43,7 +43,7 @@ BrickMask cell_mask(const BrickTopology& voxels, std::size_t b);
 /// Bits z = 0…8 of the corners (x, y) of the set cells.
 void corner_rows(const BrickMask& cells, std::uint16_t (&rows)[kCornerDim][kCornerDim]);
 
-/// Whether a volume has one slice along some axis.
+/// True if a volume has one slice along some axis.
 bool is_flat(const Vec3i& dims);
 /// A body of one slice along some axis has no cells: its slice is repeated below and above. Others
 /// come back as they are.
@@ -66,7 +66,7 @@ class CellContents {
   /// `elements`: thickened where the volume has one slice; null: everything is tissue.
   CellContents(const BrickTopology* elements, const Vec3i& origin);
 
-  /// At a place relative to `origin`, 0 … 8 along every axis.
+  /// Content at a place relative to `origin`, 0 … 8 along every axis.
   Content at(const Vec3d& place) const;
   /// The best that a place in the cell with this offset in the brick could be.
   Content best_in(int cell) const;

@@ -26,8 +26,8 @@ inline Float4 mix(const Float4& a, const Float4& b, float t) {
 
 }  // namespace
 
-/// Around the voxels that trilinear samples at the sources read. The shift is the whole voxel
-/// nearest to the first node's displacement.
+/// Places the window around the voxels that trilinear samples at the sources read. The shift is the
+/// whole voxel nearest to the first node's displacement.
 bool SourceWindow::place(const BrickMask& nodes, const Vec3f* offsets) {
   bool is_first = true;
   Float4 lo = Float4{} + 3e38f, hi = Float4{} - 3e38f;

@@ -15,7 +15,7 @@ namespace supple {
 class FoldedCells {
  public:
   void add(std::int32_t b, const BrickMask& cells) { m_cells.emplace(b, cells); }
-  /// Null: none of brick b.
+  /// The folded cells of brick b; null: none.
   const BrickMask* of(std::int32_t b) const {
     const auto found = m_cells.find(b);
     return found == m_cells.end() ? nullptr : &found->second;

@@ -37,7 +37,7 @@ struct TrilinearCell {
     return place;
   }
 
-  /// Where the corners are now, relative to the lowest one at rest.
+  /// Present places of the corners, relative to the lowest one at rest.
   CellCorners corners() const {
     CellCorners corners;
     for (int n = 0; n < 8; ++n) {
