@@ -54,7 +54,7 @@ class NodeRange {
       for (int k = 0; k < 3; ++k) {
         Floats8 v;
         std::memcpy(&v, nodes + row * kRow + k * kFloats8, sizeof v);
-        // False for what is not a number.
+        // Comparisons are false for what is not a number.
         lo[k] = v < lo[k] ? v : lo[k];
         hi[k] = v > hi[k] ? v : hi[k];
         missing -= v != v;
@@ -73,7 +73,7 @@ class NodeRange {
   const Vec3f& lo() const { return m_lo; }
   const Vec3f& hi() const { return m_hi; }
   int missing() const { return m_missing; }
-  /// Whether all vectors lead somewhere, for certain.
+  /// True if all vectors are surely short enough to lead somewhere.
   bool are_places() const {
     for (int a = 0; a < 3; ++a) {
       if (m_lo[a] <= -kMaxVectorVoxels / 3 || m_hi[a] >= kMaxVectorVoxels / 3) return false;
@@ -99,7 +99,7 @@ bool is_upper(const Vec3i& step) {
   return std::min({step.x, step.y, step.z}) >= 0;
 }
 
-/// Whether all nodes of a brick are given: its own and its upper neighbours' voxels.
+/// True if all nodes of a brick are given: its own and its upper neighbours' voxels.
 bool are_all_given(const ViewsAround& around) {
   for (int n = 0; n < 27; ++n) {
     if (!is_upper(surrounding_step(n))) continue;
@@ -108,7 +108,7 @@ bool are_all_given(const ViewsAround& around) {
   return true;
 }
 
-/// Whether no brick that nodes are gathered from is stored: where all are given, upper ones alone.
+/// True if no brick that nodes come from is stored; where all are given, only upper ones count.
 bool are_at_rest(const ViewsAround& around, bool all_given) {
   for (int n = 0; n < 27; ++n) {
     if (all_given && !is_upper(surrounding_step(n))) continue;
@@ -117,7 +117,7 @@ bool are_at_rest(const ViewsAround& around, bool all_given) {
   return true;
 }
 
-/// Bits z of the nodes of every row along z that there are.
+/// For every row along z, bits z of the nodes that are there.
 using NodeRows = std::array<std::uint16_t, BrickNodes::kDim * BrickNodes::kDim>;
 constexpr unsigned kWholeRow = (1u << BrickNodes::kDim) - 1;
 
@@ -185,7 +185,7 @@ int count_nodes(const NodeRows& rows) {
   return count;
 }
 
-/// Whether no voxel that is occupied lacks a node.
+/// True if all nodes that are missing lie at voxels that are not occupied.
 bool lie_in_void(const NodeRows& rows, const BrickTopology& occupied, const Vec3i& origin) {
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const unsigned missing = ~unsigned(rows[row]) & kWholeRow;

@@ -37,11 +37,11 @@ class NodeSlots {
  public:
   explicit NodeSlots(int dim) : m_slot_floats(std::size_t(3) * dim * dim * dim) {}
 
-  /// A slot of its own; until grow() it has no memory.
+  /// Takes a slot, which has no memory until grow().
   std::int32_t take();
   void give_back(std::int32_t slot) { m_free.push_back(slot); }
   void grow() { m_floats.resize(std::size_t(m_count) * m_slot_floats + 1); }
-  /// Address space for so many slots more, so that growing moves nothing.
+  /// Reserves address space for so many slots more, so that growing moves nothing.
   void reserve(std::size_t more);
   float* at(std::int32_t slot) { return &m_floats[std::size_t(slot) * m_slot_floats]; }
 

@@ -28,7 +28,7 @@ inline double determinant(const Columns& F) {
   return F[0].dot(F[1].cross(F[2]));
 }
 
-/// False where F is flat.
+/// Inverts F; false where F is flat.
 inline bool invert(const Columns& F, Columns& inverse) {
   const Columns rows = cofactor(F);
   const double det = F[0].dot(rows[0]);

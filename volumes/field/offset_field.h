@@ -17,8 +17,8 @@ struct OffsetField {
   Geometry geometry;  // of the source volume
   VectorBricks o;     // valid where deformed material (elements, extended shell) is now
   InversionCertificate certificate;
-  /// Where offsets jump: bricks in which they may not be interpolated (split_offsets.h). Null:
-  /// nowhere.
+  /// Bricks in which offsets jump, so that they may not be interpolated (split_offsets.h). Null:
+  /// none.
   std::shared_ptr<const SplitOffsets> split = nullptr;
   /// Voxels that tissue from several places covers; `o` holds the shortest offset there.
   BrickTopology overlaps = {};

@@ -10,7 +10,7 @@ namespace supple {
 
 namespace {
 
-/// 1 at 0, 0 from `radius` on, with a continuous first derivative.
+/// A raised cosine: 1 at 0, 0 from `radius` on, with a continuous first derivative.
 double raised_cosine(double distance, double radius) {
   return std::abs(distance) >= radius ? 0.0 : 0.5 * (1 + std::cos(kPi * distance / radius));
 }

@@ -105,7 +105,7 @@ struct Pending {
   }
 };
 
-/// Whether some of these bricks may hold a vector other than 0.
+/// True if some of these bricks may hold a vector other than 0.
 bool is_stored(const BrickVectors& vectors, const Surroundings& bricks) {
   return std::any_of(bricks.begin(), bricks.end(),
                      [&](std::int32_t b) { return vectors.brick(std::size_t(b)) != nullptr; });
@@ -167,7 +167,7 @@ VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_
     bool grown = false;
     std::size_t left = 0;
     for (const std::size_t n : open) {
-      // Beside a brick that moves at its far side alone.
+      // A ring beside a brick that moves at its far side alone has only zeros.
       if (moves[n] && are_zeros(vectors.brick(pending[n]))) vectors.release(pending[n]);
       grown = grown || any_bit(ring[n]);
       for (int word = 0; word < 8; ++word) valid[n][word] |= ring[n][word];

@@ -28,15 +28,15 @@ enum class RingFill : int { means = 0, linear = 2 };
 VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_rings,
                         RingFill fill, std::vector<std::uint8_t>* ring_of = nullptr);
 
-/// In which order a field was filled: the voxels of every brick that were valid before a ring.
+/// Order in which a field was filled: the voxels of every brick that were valid before a ring.
 class RingOrder {
  public:
   RingOrder() = default;
-  /// Of the result of fill_rings().
+  /// Takes the order from the result of fill_rings().
   RingOrder(const BrickTopology& topology, const std::vector<std::uint8_t>& ring_of);
 
   int rings() const { return int(m_before.size()); }
-  /// Before ring 1, 2, … rings().
+  /// The voxels that were valid before ring 1, 2, … rings().
   const BrickMask& before(int ring, std::size_t b) const { return m_before[ring - 1][b]; }
   /// The last ring with voxels in brick b; 0: none.
   int last(std::size_t b) const { return m_last[b]; }

@@ -1,4 +1,4 @@
-// Where the points of one grid lie in the index frame of another.
+// Positions of the points of one grid in the index frame of another.
 #pragma once
 
 #include <cmath>

@@ -127,7 +127,7 @@ void FeatureWindow::sweep_line(int axis, const Vec3i& start) {
     Vec3i p = start;
     p[axis] = i;
     height[i] = distance_squared(place(feature[i]), p);
-    // Where this parabola undercuts the last one of the envelope.
+    // The place at which this parabola undercuts the last one of the envelope.
     double cross = -kInfinity;
     while (hulls > 0) {
       const int j = apex[hulls - 1];
@@ -193,7 +193,7 @@ bool is_solid(const BrickTopology& source, const Vec3i& dims) {
          source.active_count() == std::int64_t(dims.x) * dims.y * dims.z;
 }
 
-/// What a window tells of the wanted voxels: `exact` when nothing beyond it can be nearer.
+/// Vectors that a window has for the wanted voxels: `exact` when nothing beyond it can be nearer.
 struct Attempt {
   BrickVectors vectors;
   bool exact = true;

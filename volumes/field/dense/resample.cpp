@@ -32,7 +32,7 @@ Vec3i nearest_voxel(const Vec3d& pos) {
   return {int(std::lround(pos.x)), int(std::lround(pos.y)), int(std::lround(pos.z))};
 }
 
-/// What a grid point without material reads.
+/// Offsets that grid points without material read.
 class VoidOffsets {
  public:
   VoidOffsets(const OffsetField& offsets, const BrickTopology& source, VoidMode mode,
@@ -47,7 +47,7 @@ class VoidOffsets {
     m_nearest = nearest_void(source, wanted, m_dims, offsets.geometry.spacing_mm());
   }
 
-  /// Whether what the field holds there would fold in the air.
+  /// True if the extension replaces the field there, which would fold in the air.
   bool is_instead(const Vec3d& pos) const {
     return m_extension != nullptr && m_extension->is_replaced(pos);
   }
@@ -71,7 +71,7 @@ class VoidOffsets {
     if (m_source.is_active(voxel) && !m_nearest.at(voxel, step)) return Vec3d(0);
     return Vec3d(voxel) + Vec3d(step) - pos;
   }
-  /// Through the nearest face of the box.
+  /// Offset that leads out through the nearest face of the box.
   Vec3d out_of_the_box(const Vec3d& pos) const {
     Vec3d best(0);
     double shortest = -1;

@@ -43,10 +43,10 @@ VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology&
 /// The material-direction field on the source grid: extended u, 0 where nothing is.
 VectorSliceSource dense_displacement(const Displacement& extended);
 
-/// What those two give on the source's own grid, dense_offsets() with VoidMode::nearest, where it
-/// is not 0: vectors in mm LPS of the voxels of the bricks that move, and of those that tissue
-/// left. None where offsets jump, which only positions tell, or where so much moves that slices
-/// need less memory. Cost: 12 bytes per voxel of those bricks.
+/// Results of those two on the source's own grid, dense_offsets() with VoidMode::nearest, that are
+/// not 0: vectors in mm LPS of the voxels of the bricks that move, and of those that tissue left.
+/// None where offsets jump, which only positions tell, or where so much moves that slices need less
+/// memory. Cost: 12 bytes per voxel of those bricks.
 std::optional<VectorBricks> sparse_offsets(const OffsetField& offsets, const BrickTopology& source);
 std::optional<VectorBricks> sparse_displacement(const Displacement& extended);
 

@@ -31,7 +31,7 @@ std::size_t SmoothExtension::block_index(const Vec3i& block) const {
   return (std::size_t(block.x) * m_dims.y + block.y) * m_dims.z + block.z;
 }
 
-/// Blocks that cover the offsets and one more on every side.
+/// Averages the offsets in blocks that cover them, and one block more on every side.
 void SmoothExtension::average_blocks(const VectorBricks& offsets) {
   const IndexBox& box = offsets.topology.active_bounds();
   for (;; m_block *= 2) {

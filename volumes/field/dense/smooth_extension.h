@@ -20,7 +20,7 @@ class SmoothExtension {
 
   /// Trilinear between voxels; defined everywhere, 0 where there are no offsets at all.
   Vec3d sample(const Vec3d& pos_index) const;
-  /// At a voxel.
+  /// Offset at a voxel.
   Vec3d at(const Vec3i& voxel) const;
 
  private:

@@ -24,7 +24,7 @@ class UnfoldedExtension {
 
   /// Trilinear between voxels; defined everywhere.
   Vec3d sample(const Vec3d& pos_index) const;
-  /// Whether an offset around the position is no longer that of the field or of its extension.
+  /// True if an offset around the position is no longer that of the field or of its extension.
   bool is_replaced(const Vec3d& pos_index) const;
 
  private:

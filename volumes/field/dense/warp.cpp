@@ -22,7 +22,7 @@ class WarpSampler {
   WarpSampler(const Warp& warp, const Geometry& source)
       : m_warp(warp), m_source(source), m_positions(source, warp.geometry) {}
 
-  /// In voxels of the source; false where the voxel is void.
+  /// Offset in voxels of the source; false where the voxel is void.
   bool offset_at(const Vec3i& voxel, Vec3f& offset) const {
     Vec3d vector_mm;
     if (!sample(m_positions.at(voxel.x, voxel.y, voxel.z), vector_mm)) return false;
@@ -152,7 +152,7 @@ OffsetField offsets_from_warp(const Warp& warp, const Geometry& source, Progress
   const Sampled sampled = find_valid(sampler, spanned_bricks(warp, source), progress);
   o.topology = sampled.valid;
 
-  // Sampled a second time rather than kept, so that no brick is in memory twice.
+  // Offsets are sampled a second time rather than kept, so that no brick is in memory twice.
   o.vectors.resize(o.topology.brick_count());
   o.vectors.reserve(sampled.moving.size());
   for (const std::size_t b : sampled.moving) o.vectors.touch(b);

@@ -12,7 +12,7 @@ namespace supple {
 class WarpVectors {
  public:
   WarpVectors() = default;
-  /// So many, all 0.
+  /// Makes `count` vectors, all 0.
   explicit WarpVectors(std::size_t count);
   WarpVectors(const std::vector<Vec3f>& all);
 

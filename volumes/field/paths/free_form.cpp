@@ -117,7 +117,7 @@ class FreeFormLattice : public PathFunction {
     return u;
   }
 
-  /// At the faces of the box also that of the space beyond.
+  /// Least determinant at t; at the faces of the box also that of the space beyond.
   double least_det(const Vec3d& t) const {
     double least = HUGE_VAL;
     for (int beyond = 0; beyond < 8; ++beyond) {

@@ -22,7 +22,7 @@ double along(const AxisRange& range, const Vec3d& p) {
   return (p - range.point).dot(range.axis);
 }
 
-/// 0 before the range, 1 beyond.
+/// Share of the range that lies before p: 0 before the range, 1 beyond.
 double share(const AxisRange& range, const Vec3d& p) {
   const double t = (along(range, p) - range.begin_mm) / (range.end_mm - range.begin_mm);
   return std::clamp(t, 0.0, 1.0);

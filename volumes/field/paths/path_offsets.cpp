@@ -116,7 +116,7 @@ double PathOffsets::largest_spacing() const {
   return std::max({spacing.x, spacing.y, spacing.z});
 }
 
-/// Of the body before the path; false where it is not.
+/// The offset of the body before the path; false where the body is not.
 bool PathOffsets::offset_before(const Vec3d& pos, Vec3d& offset) const {
   offset = Vec3d(0);
   return m_moved ? m_moved->sample(pos, offset) : touches(m_body, pos);
@@ -223,7 +223,7 @@ void PathOffsets::sample_nodes(const Vec3i& brick, const std::vector<int>& piece
   }
 }
 
-/// What the nodes of a brick's cells say about it.
+/// Surveys the nodes of a brick's cells: their origins, whether they move, whether they are split.
 PathOffsets::Survey PathOffsets::survey(const Vec3i& brick, const std::vector<int>& pieces) const {
   Survey survey;
   int owner = -1;

@@ -23,14 +23,14 @@ class CarriedDisplacement {
     bool is_torn = false;    // between the sides of an open cut; u is that of the nearest side
   };
 
-  /// On its own side of a cut. Index space.
+  /// The displacement on the place's own side of a cut. Index space.
   Place at(const Vec3d& X) const;
-  /// As if no cut had opened: continuous everywhere.
+  /// The displacement as if no cut had opened: continuous everywhere.
   CellPlace stretched(const Vec3d& X) const;
   /// The same, the whole cell: there is one everywhere (for point_solver.h).
   bool cell(const Vec3i& voxel, TrilinearCell& cell) const;
   bool cell_at(const Vec3d& X, Vec3i& voxel, TrilinearCell& cell) const;
-  /// Whether a cut has opened in the cell around X.
+  /// True if a cut has opened in the cell around X.
   bool is_in_torn_cell(const Vec3d& X) const;
   bool has_torn_cells() const { return !m_sides.empty(); }
   /// `visit(CutPiece)` for every side of every torn cell.

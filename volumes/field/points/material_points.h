@@ -8,7 +8,7 @@
 
 namespace supple {
 
-/// Where points given at rest are now, LPS mm. Outside the material u carries on smoothly, as in
+/// Places now of points given at rest, LPS mm. Outside the material u carries on smoothly, as in
 /// `void extend`, so that objects which reach beyond the tissue are not torn at its surface.
 std::vector<Vec3d> moved_along(const Displacement& displacement,
                                const std::vector<Vec3d>& points_lps_mm);

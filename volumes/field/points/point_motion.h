@@ -1,4 +1,4 @@
-// Where points go: along with the material, back to rest, or through a warp. For landmarks, meshes
+// Motion of points: along with the material, back to rest, or through a warp. For landmarks, meshes
 // and other data that lie between voxels.
 //
 // Each point is solved for by itself, so that there and back again is the same place off folds: by
@@ -28,7 +28,7 @@ struct MovedPoint {
   Columns gradient = identity_columns();  // d to / d from, LPS
 };
 
-/// May be asked by several threads at once.
+/// A motion of points, which several threads may ask at once.
 class PointMotion {
  public:
   virtual ~PointMotion() = default;

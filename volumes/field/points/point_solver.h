@@ -24,7 +24,7 @@ class PointSolver {
  public:
   explicit PointSolver(const Cells& cells) : m_cells(cells) {}
 
-  /// False when nothing was found from `start`.
+  /// Solves for x from `start`; false when nothing was found.
   bool solve(const Vec3d& x, const Vec3d& start, Vec3d& found) const {
     found = start;
     CellPlace place;
@@ -79,7 +79,7 @@ class PointSolver {
     return false;
   }
 
-  /// Of several solutions the one with the shortest way.
+  /// Finds, of the solutions in the cells around, the one with the shortest way.
   bool search_around(const Vec3d& x, Vec3d& found) const {
     const Vec3i centre = floor_voxel(found);
     double shortest = HUGE_VAL;

@@ -67,7 +67,7 @@ class MotionToRest final : public PointMotion {
     Columns gradient;  // of X -> X + u
   };
 
-  /// All cells of the body; of torn cells each side by itself.
+  /// Finds the folds of all cells of the body, of torn cells each side by itself, and overlaps.
   void find_folds() {
     const VectorBricks& u = m_u.known();
     tbb::enumerable_thread_specific<std::vector<std::pair<Vec3i, CellCorners>>> found;
@@ -133,7 +133,7 @@ class MotionToRest final : public PointMotion {
     return m_offsets.split->bricks().find(voxel) >= 0;
   }
 
-  /// Whether the voxel nearest to X is an element.
+  /// True if the voxel nearest to X is an element.
   bool is_tissue(const Vec3d& X) const {
     Vec3i voxel = floor_voxel(X + Vec3d(0.5));
     for (int a = 0; a < 3; ++a) {
@@ -142,7 +142,7 @@ class MotionToRest final : public PointMotion {
     return m_elements.is_active(voxel);
   }
 
-  /// Whether the offsets at the nodes around x differ by more than a voxel. What lies between such
+  /// True if the offsets at the nodes around x differ by more than a voxel. What lies between such
   /// nodes may have come from several places, though none of the nodes has.
   bool is_at_jump(const Vec3d& x) const {
     const Vec3i low = floor_voxel(x);
@@ -157,9 +157,9 @@ class MotionToRest final : public PointMotion {
     return lo.x <= hi.x && (hi - lo).length() > 1;
   }
 
-  /// Of the solutions that the offsets around lead to, one in tissue before one in air, then that
-  /// with the shortest way; one in tissue is enough where there are no folds. `is_overlapped`: set
-  /// where several are in tissue.
+  /// Finds, of the solutions that the offsets around lead to, one in tissue before one in air, then
+  /// that with the shortest way; one in tissue is enough where there are no folds. `is_overlapped`:
+  /// set where several are in tissue.
   bool solve(const Vec3d& x, Vec3d& X, bool& is_overlapped) const {
     const PointSolver solver(m_u);
     const bool in_fold = m_folds.contains(x) || is_at_jump(x);

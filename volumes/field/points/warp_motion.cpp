@@ -14,7 +14,7 @@ namespace supple {
 
 namespace {
 
-// Of the grid points that searches begin at; grid points.
+// Grid steps between the points that searches begin at, and how many of them a search tries.
 constexpr int kSeedSpacing = 4;
 constexpr std::size_t kSeedsTried = 12;
 constexpr double kBorder = 0.5 + kNodeSnap;  // beyond the outer grid points, steps
@@ -31,7 +31,7 @@ class WarpCells {
     return m_warp.geometry.index_vector_from_world(Vec3d(m_warp.vectors[row * m_dims.x + p.x]));
   }
 
-  /// Around the grid, too.
+  /// A cell of the grid, or one around it.
   bool cell(const Vec3i& voxel, TrilinearCell& cell) const {
     for (int a = 0; a < 3; ++a) {
       if (voxel[a] < -1 || voxel[a] >= m_dims[a]) return false;
@@ -87,7 +87,7 @@ class AlongWarp final : public PointMotion {
   WarpCells m_cells;
 };
 
-/// Where some grid points go, for searches nearby to begin at.
+/// Some grid points and the places they go to, for searches nearby to begin at.
 class Seeds {
  public:
   explicit Seeds(const WarpCells& cells) {
