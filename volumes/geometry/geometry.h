@@ -1,4 +1,4 @@
-// Where voxels lie in the patient: a full affine from the index frame to LPS millimetres.
+// Places of voxels in the patient: a full affine from the index frame to LPS millimetres.
 // Cost: a value type of 18 doubles; the inverse is kept beside the forward axes.
 #pragma once
 

@@ -25,15 +25,15 @@ inline Vec3d between(const Vec3d& a, const Vec3d& b, double s) {
 template <class Value>
 class Track {
  public:
-  /// Times ascend.
+  /// Adds a key; times ascend.
   void add(double time, const Value& value, Easing easing) {
     m_keys.push_back({time, value, easing});
   }
   bool empty() const { return m_keys.empty(); }
-  /// Of the last key.
+  /// Time of the last key.
   double end() const { return m_keys.back().time; }
 
-  /// Before the first key its value, after the last one that. Needs a key.
+  /// The value at a time; outside of the keys it is that of the nearest one. Needs a key.
   Value at(double time) const {
     const auto after = std::upper_bound(m_keys.begin(), m_keys.end(), time,
                                         [](double t, const Key& key) { return t < key.time; });

@@ -20,7 +20,7 @@ struct PathPose {
 /// arc.
 class PosePath {
  public:
-  /// Times ascend.
+  /// Adds a key of the shift; times ascend.
   void add_shift(double time, const Vec3d& shift_mm, Easing easing) {
     m_shift.add(time, shift_mm, easing);
   }
