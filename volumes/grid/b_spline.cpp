@@ -11,14 +11,14 @@ namespace supple {
 
 namespace {
 
-/// Of the filter that turns densities into coefficients.
+/// Pole of the filter that turns densities into coefficients.
 const double kSplinePole = std::sqrt(3.0) - 2;
 /// Terms of a power of the pole that count: 0.268^28 is 1e-16.
 constexpr int kPoleTerms = 28;
 /// Voxels beyond the active ones that hold the background: 0.268^3 of a step is left there.
 constexpr int kRingsAround = 3;
 
-/// Densities of a row to coefficients, in place; the row is mirrored at both ends.
+/// Turns densities of a row into coefficients, in place; the row is mirrored at both ends.
 void filter_row(std::vector<double>& row) {
   const double z = kSplinePole;
   const int n = int(row.size());

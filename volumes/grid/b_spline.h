@@ -31,7 +31,7 @@ std::vector<float> b_spline_coefficients(const BrickTopology& where,
 class SplineDensity {
  public:
   SplineDensity(const DensityGrid& grid, const Vec3i& dims, bool interpolates);
-  /// At a place of the index frame; the box is mirrored at its outer voxels.
+  /// Density at a place of the index frame; the box is mirrored at its outer voxels.
   double at(const Vec3d& index) const;
 
  private:

@@ -54,7 +54,7 @@ bool any_of(const DensityBits& lanes) {
 }  // namespace
 
 BrickExtremes find_extremes(const float* values, const BrickMask& mask) {
-  // Of all rows along z, those at x = 0, those at y = 0 and the one at both; a lane is a z.
+  // Ranges of all rows along z, those at x = 0, those at y = 0 and the one at both; a lane is a z.
   std::array<LaneRange, 4> rows;
   const auto add_rows = [&](const auto& add_row) {
     rows = {};

@@ -18,7 +18,7 @@ struct BrickExtremes {
   bool integers = true;              // of all densities
 };
 
-/// Of the finite densities of the voxels that are active in the mask.
+/// Extremes of the finite densities of the voxels that are active in the mask.
 /// @param values 512 densities in brick order.
 BrickExtremes find_extremes(const float* values, const BrickMask& mask);
 

@@ -44,7 +44,7 @@ class BrickIndex {
 
   /// find() for callers that look up many voxels at once; valid until a brick is added.
   BrickLookup lookup() const;
-  /// Where lookup().tables holds the number of brick b.
+  /// Index in lookup().tables of the number of brick b.
   std::size_t place(std::size_t b) const;
   /// Length of lookup().tables.
   std::size_t place_count() const { return m_tables.size() * kTableSize; }

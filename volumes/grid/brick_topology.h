@@ -48,7 +48,7 @@ class BrickTopology {
   BrickTopology() noexcept : m_bricks(none()) {}
   BrickTopology(const BrickTopology&) = default;
   BrickTopology& operator=(const BrickTopology&) = default;
-  /// What is moved from is empty.
+  /// Leaves `other` empty.
   BrickTopology(BrickTopology&& other) noexcept : m_bricks(std::exchange(other.m_bricks, none())) {}
   BrickTopology& operator=(BrickTopology&& other) noexcept {
     m_bricks = std::exchange(other.m_bricks, none());
@@ -79,7 +79,7 @@ class BrickTopology {
   std::int64_t active_count() const { return m_bricks->active_count; }
   /// Smallest box of the active voxels; empty when there are none.
   const IndexBox& active_bounds() const { return m_bricks->active_bounds; }
-  /// Of this list, however many copies share it.
+  /// Memory of this list, however many copies share it.
   std::size_t bytes() const;
 
   bool operator==(const BrickTopology& other) const {

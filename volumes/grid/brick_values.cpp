@@ -52,7 +52,7 @@ void BrickArray<T>::swap(BrickArray& other) noexcept {
 
 template <class T>
 T* BrickArray<T>::store(std::size_t b) {
-  // Never more than are left to store.
+  // A chunk never has more bricks than are left to store.
   if (m_free.empty()) add_chunk(std::min(kMaxChunk, m_table.size() - m_stored));
   T* const values = m_free.back();
   m_free.pop_back();
@@ -62,10 +62,10 @@ T* BrickArray<T>::store(std::size_t b) {
   return values;
 }
 
-/// Handed out in ascending order.
+/// Adds a chunk of bricks, which are handed out in ascending order.
 template <class T>
 void BrickArray<T>::add_chunk(std::size_t count) {
-  // So that release() never allocates.
+  // The free list has room for all bricks, so that release() never allocates.
   const std::size_t wanted = m_chunk_bricks + count;
   if (m_free.capacity() < wanted) m_free.reserve(std::max(wanted, 2 * m_free.capacity()));
   m_chunks.push_back(std::unique_ptr<Brick[]>(new Brick[count]));

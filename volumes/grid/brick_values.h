@@ -22,7 +22,7 @@ template <class T>
 alignas(64) inline const T kZeroBrickOf[kBrickVoxels] = {};
 inline constexpr auto& kZeroBrick = kZeroBrickOf<std::int32_t>;
 
-/// Whether all 512 values of a brick are 0; at once where the brick is not stored.
+/// True if all 512 values of a brick are 0; at once where the brick is not stored.
 template <class T>
 bool are_zeros(const T* values) {
   return values == kZeroBrickOf<T> || std::equal(values, values + kBrickVoxels, kZeroBrickOf<T>);
@@ -37,7 +37,7 @@ class BrickArray {
   BrickArray() = default;
   /// Room for that many bricks, none of them stored.
   explicit BrickArray(std::size_t brick_count) : m_table(brick_count, nullptr) {}
-  /// Of all values, 512 per brick: stores the bricks that hold some other than 0.
+  /// Makes an array of all values, 512 per brick: stores the bricks that hold some other than 0.
   static BrickArray of(const std::vector<T>& values);
   /// Copies the stored bricks.
   BrickArray(const BrickArray& other);

@@ -12,7 +12,7 @@ inline Vec3i cell_corner(int n) {
   return {n >> 2, (n >> 1) & 1, n & 1};
 }
 
-/// So far beyond the outer voxel centres of a volume its border voxels go on.
+/// Voxels by which border voxels go on beyond the outer voxel centres of a volume.
 constexpr double kBeyondBorder = 0.5;
 
 /// The place at which a volume of these dimensions is read. Up to half a voxel beyond the outer

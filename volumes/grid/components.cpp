@@ -90,7 +90,7 @@ class Pieces {
     return m_first[b] + (is_single(b) ? 0u : m_labels[b][offset]);
   }
 
-  /// Only one piece, or none.
+  /// True if the brick has only one piece, or none.
   bool is_single(std::size_t b) const { return m_labels[b] == nullptr; }
 
  private:
@@ -116,7 +116,7 @@ class Pieces {
   std::vector<std::unique_ptr<std::uint8_t[]>> m_labels;  // null: the only piece
 };
 
-/// Which voxels of the upper face along an axis have an active voxel across it. Bits are those of
+/// Voxels of the upper face along an axis that have an active voxel across it. Bits are those of
 /// the two other axes, the last one fastest.
 std::uint64_t contacts(const BrickMask& mask, const BrickMask& above, int axis) {
   if (axis == 0) return mask[kBrickDim - 1] & above[0];
@@ -160,7 +160,7 @@ std::vector<std::int64_t> piece_sizes(const BrickTopology& topology, const Piece
   return sizes;
 }
 
-/// Per piece whether it belongs to one of the `count` largest sets.
+/// Tells for each piece if it belongs to one of the `count` largest sets.
 std::vector<char> in_largest(DisjointSets& sets, std::vector<std::int64_t> sizes, int count) {
   std::vector<std::uint32_t> roots;
   for (std::uint32_t piece = 0; piece < sizes.size(); ++piece) {

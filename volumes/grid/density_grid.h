@@ -44,7 +44,7 @@ class DensityGrid {
   friend DensityGrid assemble_density_grid(BrickTopology bricks,
                                            const std::function<DensityLeaf(std::size_t b)>& take,
                                            float background);
-  /// Of a grid whose bricks are known, with their densities and extremes.
+  /// Wraps a grid whose bricks are known, with their densities and extremes.
   DensityGrid(std::shared_ptr<const Vdb> vdb, BrickTopology bricks,
               std::vector<const float*> values, std::vector<BrickExtremes> extremes);
 

@@ -20,7 +20,7 @@ class DensityLeaf {
   explicit DensityLeaf(const Vec3i& origin);
 
   explicit operator bool() const { return m_node != nullptr; }
-  /// Of an existing leaf.
+  /// The densities of an existing leaf.
   float* values() const;
   /// Notes the extremes of the voxels that will be active: in passing, while the densities are in
   /// cache. assemble_density_grid() finds those that nobody noted.

@@ -19,17 +19,17 @@ class LinkCuts {
  public:
   /// Per axis, the voxels of a brick whose link to the next voxel is absent.
   using BrickCuts = std::array<BrickMask, 3>;
-  /// Where a surface crosses a link, from 1 at its lower end to kPlaces at its upper one; 0:
-  /// unknown.
+  /// The place where a surface crosses a link, from 1 at its lower end to kPlaces at its upper one;
+  /// 0: unknown.
   using Place = std::uint16_t;
   static constexpr int kPlaces = 511;
 
-  /// Of the fraction of a link, 0 to 1, and back, to a thousandth; the middle where it is unknown.
+  /// The place at a fraction of a link, 0 to 1, and back, to a thousandth; the middle if unknown.
   static Place place_of(double fraction);
   static double fraction_of(Place place) { return place == 0 ? 0.5 : (place - 0.5) / kPlaces; }
 
   bool empty() const { return m_records.empty(); }
-  /// Null where no link of the brick's voxels is cut; any b.
+  /// Cuts of brick b, which may be any number; null where no link of its voxels is cut.
   const BrickCuts* brick(std::size_t b) const {
     if (b >= m_record_of.size() || m_record_of[b] < 0) return nullptr;
     return &m_records[std::size_t(m_record_of[b])];
@@ -41,7 +41,7 @@ class LinkCuts {
   /// Marks the link as absent; whether it exists is for the caller to know. False when it already
   /// was: then the place that is known first stays.
   bool cut(std::size_t b, int offset, int axis, Place place = 0);
-  /// 0 where the link is not cut or it is not known where.
+  /// Place of a cut; 0 where the link is not cut or the place is unknown.
   Place place(std::size_t b, int offset, int axis) const {
     if (b >= m_record_of.size() || m_record_of[b] < 0) return 0;
     const std::size_t record = std::size_t(m_record_of[b]);
@@ -49,7 +49,7 @@ class LinkCuts {
     return m_places[record][std::size_t(axis) * kBrickVoxels + std::size_t(offset)];
   }
 
-  /// No brick at or beyond it has a cut link.
+  /// A brick number at and beyond which no brick has a cut link.
   std::size_t brick_end() const { return m_record_of.size(); }
   /// Links that are cut.
   std::int64_t count() const { return m_count; }

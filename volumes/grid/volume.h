@@ -19,7 +19,7 @@ struct VolumeStatistics {
   std::int64_t above_min_count = 0;  // voxels with a value > min
 };
 
-/// Whether densities that reach down to `lowest` are Hounsfield units: air lies at -1000 HU.
+/// True if densities that reach down to `lowest` are Hounsfield units: air lies at -1000 HU.
 inline bool are_hounsfield_units(double lowest) {
   return lowest < -200;
 }

@@ -98,7 +98,7 @@ BrickTopology eroded(const BrickTopology& topology) {
   std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
   tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
     origins[b] = topology.origin(b);
-    // What is eroded is what does not touch a voxel that is not active.
+    // Voxels stay that touch no voxel that is not active.
     const auto absent = [](const BrickMask& mask) {
       BrickMask out;
       std::transform(mask.begin(), mask.end(), out.begin(), [](auto word) { return ~word; });

@@ -8,18 +8,18 @@
 
 namespace supple {
 
-/// Whether all voxels of a brick are set.
+/// True if all voxels of a brick are set.
 inline bool is_full(const BrickMask& mask) {
   return std::all_of(mask.begin(), mask.end(), [](std::uint64_t word) { return ~word == 0; });
 }
-/// Whether `whole` has all voxels of `part`.
+/// True if `whole` has all voxels of `part`.
 inline bool holds(const BrickMask& whole, const BrickMask& part) {
   std::uint64_t missing = 0;
   for (std::size_t word = 0; word < whole.size(); ++word) missing |= part[word] & ~whole[word];
   return missing == 0;
 }
 
-/// For unordered sets and maps of voxels.
+/// Hash for unordered sets and maps of voxels.
 struct VoxelHash {
   std::size_t operator()(const Vec3i& v) const {
     std::uint64_t h = std::uint32_t(v.x);
@@ -32,7 +32,7 @@ struct VoxelHash {
 /// The voxels 0 … dims - 1.
 BrickTopology box_topology(const Vec3i& dims);
 
-/// Those of a list, in any order, each once or more often.
+/// The voxels of a list, in any order, each once or more often.
 BrickTopology topology_of(const std::vector<Vec3i>& voxels);
 
 /// The sorted union of two topologies.
@@ -50,7 +50,7 @@ BrickTopology eroded(const BrickTopology& topology);
 /// All voxels of the occupied bricks and of the 26 bricks around each.
 BrickTopology touching_bricks(const BrickTopology& topology);
 
-/// Ascending (voxel_less), each once.
+/// Sorts voxels ascending (voxel_less), each once.
 void sort_unique(std::vector<Vec3i>& voxels);
 
 }  // namespace supple
