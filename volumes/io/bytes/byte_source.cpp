@@ -14,7 +14,7 @@ constexpr double kMaxDeflateRatio = 1032;
 // 5, and takes at least 24 bytes itself (48 bits of mark, 32 of checksum, 25 of flags and origin,
 // 32 of symbols in use, 19 of table counts, two tables of 3 symbols and 20 symbols of runs).
 constexpr double kMaxBzip2Ratio = 900000.0 * 259 / 5 / 24;
-// Claims beyond are proved by decoding.
+// Claims beyond this ratio are proved by decoding.
 constexpr double kUnprovedBzip2Ratio = 1000;
 
 /// The part of an open file from an offset on, as it is.
@@ -55,7 +55,7 @@ double most_decoded(double available, const ByteRange& range) {
   return available;
 }
 
-/// What errors call encoded data.
+/// Words for encoded data in errors.
 std::string content_of(Compression compression) {
   if (compression == Compression::text) return " of text";
   return compression == Compression::hex ? " of hex digits" : " of compressed data";

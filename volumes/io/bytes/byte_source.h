@@ -19,10 +19,10 @@ enum class ValueType;  // of volume_file.h
 /// numbers between blanks, line ends and commas. hex: two hexadecimal digits per byte.
 enum class Compression { none, deflate, bzip2, text, hex };
 
-/// Whether a source may hold bytes behind those that its header claims.
+/// Answer to bytes behind those that a header claims: an error, or they are ignored.
 enum class Surplus { error, ignore };
 
-/// Where the values of a volume lie.
+/// The bytes that hold the values of a volume.
 struct ByteRange {
   std::int64_t file_offset = 0;    // first byte in the file
   std::int64_t stream_offset = 0;  // bytes to drop after decoding
@@ -55,7 +55,7 @@ void check_range(const std::shared_ptr<const InputFile>& file, const ByteRange& 
 std::unique_ptr<ByteSource> open_checked(std::shared_ptr<const InputFile> file,
                                          const ByteRange& range);
 
-/// check_range and open_checked.
+/// Calls check_range() and open_checked().
 std::unique_ptr<ByteSource> open_source(std::shared_ptr<const InputFile> file,
                                         const ByteRange& range);
 

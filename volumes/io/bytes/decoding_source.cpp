@@ -72,7 +72,7 @@ void DecodingSource::skip(std::int64_t size) {
 }
 
 void DecodingSource::finish() {
-  // What was not asked for is decoded too, so that checksums behind it are compared.
+  // The rest of the claimed bytes is decoded too, so that checksums behind them are compared.
   skip(std::max<std::int64_t>(m_range.size - m_delivered, 0));
   std::vector<char> rest(kDroppedAtOnce);
   while (decode(rest.data(), rest.size()) > 0) {

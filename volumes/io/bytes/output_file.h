@@ -8,20 +8,20 @@
 
 namespace supple {
 
-/// Without commit() nothing remains. Throws SystemError (disk full, no permission) and as
-/// AtomicFile.
+/// A file to be written, of which nothing remains without commit(). Throws SystemError (disk full,
+/// no permission) and as AtomicFile.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
 
   void write(const void* data, std::size_t size);
   void write(const std::string& text) { write(text.data(), text.size()); }
-  /// Where the next bytes go, from the start of the file.
+  /// Sets where the next bytes go, from the start of the file.
   void seek(std::int64_t offset);
   std::int64_t position();
-  /// Everything is handed to the system; no more writing.
+  /// Hands everything to the system; no more writing.
   void close();
-  /// After close(): to disk, then to the final name.
+  /// Brings the closed file to disk, then to its final name.
   void commit() { m_file.commit(); }
 
   /// For libraries that write by themselves, instead of write().

@@ -10,8 +10,8 @@ namespace supple {
 
 class SpoolFile {
  public:
-  /// In the folder of `final_path`, which has room for the result and which errors name. Throws
-  /// SystemError.
+  /// Opens a file in the folder of `final_path`, which has room for the result and which errors
+  /// name. Throws SystemError.
   explicit SpoolFile(const std::string& final_path);
   ~SpoolFile();
   SpoolFile(const SpoolFile&) = delete;

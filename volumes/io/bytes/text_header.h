@@ -30,10 +30,10 @@ class LineReader {
 
 /// Text as it may stand in a one-line message: at most 60 characters, control characters as '?'.
 std::string printable(const std::string& text);
-/// Without blanks at both ends.
+/// The text without blanks at both ends.
 std::string trimmed(const std::string& text);
 std::string lower_case(std::string text);
-/// Parts between blanks.
+/// The parts of a text between blanks.
 std::vector<std::string> words_of(const std::string& text);
 
 /// One field of a header, parsed strictly: anything but the expected form is an InputError.

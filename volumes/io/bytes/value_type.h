@@ -18,8 +18,8 @@ using ScaleValues = void (*)(const char* stored, std::size_t count, double slope
                              double* values);
 ScaleValues scale_values_of(ValueType type);
 
-/// The other way: rounded (halves away from zero) and clamped for integer types, where NaN becomes
-/// 0; `out` need not be aligned.
+/// Stores values the other way: rounded (halves away from zero) and clamped for integer types,
+/// where NaN becomes 0; `out` need not be aligned.
 void store_values(ValueType type, const float* values, std::size_t count, char* out);
 void store_values(ValueType type, const double* values, std::size_t count, char* out);
 
