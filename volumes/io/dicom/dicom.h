@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// Bytes that tell whether a file is one.
+/// Bytes that tell if a file is a DICOM file.
 constexpr std::size_t kDicomHead = 132;
 
 /// How a DICOM file starts: with a preamble, as it should, or without it, with "DICM", with its
@@ -29,7 +29,7 @@ DicomStart dicom_start(const std::string& head);
 
 /// True when the bytes (kDicomHead or more of them) are the start of a DICOM file.
 bool is_dicom(const std::string& head);
-/// True for a gzipped one.
+/// True for a gzipped DICOM file.
 bool is_gzipped_dicom(const InputFile& file);
 
 /// True when a regular file of the folder itself is a DICOM file, gzipped or not; false for a path

@@ -130,7 +130,7 @@ void read_meta(DicomFile& result, const std::string& head, std::size_t offset) {
   result.syntax = DcmXfer(result.syntax_uid.c_str()).getXfer();
 }
 
-/// Where a file begins with its data set, the syntax is that of its first elements.
+/// Reads the start. Files that begin with their data set have the syntax of its first elements.
 void read_start(DicomFile& result, const std::string& head) {
   constexpr std::size_t kPrefixBytes = 4;
   switch (dicom_start(head)) {

@@ -27,8 +27,8 @@ struct DicomFile {
   E_TransferSyntax syntax = EXS_Unknown;
   std::int64_t data_offset = 0;         // of the dataset in the file
   std::unique_ptr<DcmDataset> dataset;  // everything in front of the pixels
-  /// Behind the head of the element that follows, usually Pixel Data: from the file's start, or
-  /// from the dataset's start after decompression where the dataset is deflated. The end without
+  /// Offset behind the head of the element that follows, usually Pixel Data: from the file's start,
+  /// or from the dataset's start after decompression where the dataset is deflated. The end without
   /// any.
   std::int64_t pixel_offset = 0;
 };

@@ -147,7 +147,7 @@ void read_planes(DcmItem& dataset, int frames, const ReadOptions& options, Dicom
   if (groups == nullptr && frames > 1) place_by_offsets(image.path, dataset, image.planes);
 }
 
-/// Whether a value of ImageType says so.
+/// True if a value of ImageType says that the image is a localizer.
 bool is_scout(DcmItem& dataset) {
   const std::string types = "\\" + text_of(dataset, DCM_ImageType) + "\\";
   return types.find("\\LOCALIZER\\") != std::string::npos;

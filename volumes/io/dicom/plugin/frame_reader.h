@@ -15,8 +15,8 @@
 
 namespace supple {
 
-/// Where the values of `frames` frames lie. Throws InputError when there are no pixels or the file
-/// is too short to hold them.
+/// Finds the place of the values of `frames` frames. Throws InputError when there are no pixels or
+/// the file is too short to hold them.
 PixelPlace check_pixels(const DicomFile& file, const PixelFormat& format, int frames);
 
 class FrameReader {

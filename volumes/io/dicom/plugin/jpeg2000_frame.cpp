@@ -115,7 +115,7 @@ class MainHeader {
   [[noreturn]] void fail(const std::string& found) const {
     throw InputError({m_image.path, "JPEG 2000 stream", found, "one as scanners write it"});
   }
-  /// 0 beyond the end.
+  /// A number of the header; 0 beyond the end.
   std::uint32_t number(std::size_t at, std::size_t width) const {
     return at + width <= m_stream.size() ? number_at(m_stream, at, width, true) : 0;
   }

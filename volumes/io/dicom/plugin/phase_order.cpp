@@ -54,7 +54,7 @@ struct PhaseColumn {
   bool is_time;
 };
 
-/// In the order in which they are asked.
+/// Columns in the order in which they are asked.
 std::vector<PhaseColumn> columns_of(std::size_t count) {
   const std::vector<PhaseAttribute>& attributes = phase_attributes();
   std::vector<PhaseColumn> columns, last;
@@ -137,7 +137,7 @@ class PhaseSorter {
     m_taken.push_back(column);
   }
 
-  /// Whether the parts of a group follow each other as the rule of the column wants it.
+  /// True if the parts of a group follow each other as the rule of the column wants it.
   static bool follows(const PhaseColumn& column, const std::vector<PlanesAtPosition>& sorted,
                       const std::vector<char>& begins, std::size_t begin, std::size_t end) {
     if (column.rule == PhaseRule::relative) return true;

@@ -29,7 +29,7 @@ struct PhaseAttribute {
   DcmTagKey date = {};  // of a time
 };
 
-/// In the order in which they are asked; the last two are numbers of images and frames.
+/// Attributes in the order in which they are asked; the last two number images and frames.
 const std::vector<PhaseAttribute>& phase_attributes();
 
 /// Seconds since the year 0 of a DT ("20200131100030.5+0100", the zone apart); 0 for no such text.
