@@ -41,22 +41,22 @@ struct WriteOptions {
   /// 0.
   std::function<void(int k, Vec3f* out)> velocity = {};
 };
-/// How values are stored.
+/// Fields for how values are stored.
 Fields fields(WriteOptions& options);
-/// How vectors are.
+/// Fields for how vectors are stored.
 Fields vector_fields(WriteOptions& options);
 
 class DenseWriter {
  public:
   virtual ~DenseWriter() = default;
-  /// The next slice k: dims.x * dims.y values as in memory, components together.
+  /// Writes the next slice k: dims.x * dims.y values as in memory, components together.
   virtual void write_slice(const void* values) = 0;
-  /// In place of all slices: these vectors at the voxels of these bricks, and 0 elsewhere. False
-  /// where the format is dense; nothing has been written then.
+  /// Writes, in place of all slices, these vectors at the voxels of these bricks, and 0 elsewhere.
+  /// False where the format is dense; nothing has been written then.
   virtual bool write_bricks(const VectorBricks& vectors) {
     return static_cast<void>(vectors), false;
   }
-  /// Work that remains after the last slice and may take long, such as compressing values that had
+  /// Does what remains after the last slice and may take long, such as compressing values that had
   /// to be put in order first. Throws Cancelled. commit() does it where the caller has not.
   virtual void complete(Progress* progress) { static_cast<void>(progress); }
   /// After the last slice: completes the files and gives them their names.

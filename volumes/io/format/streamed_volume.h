@@ -22,7 +22,7 @@ struct StreamLayout {
   VolumeHeader header;
   bool big_endian = false;
   ByteRange range;  // in every file; `size` is filled in by open_stream
-  /// Fastest first.
+  /// Axes of the values, fastest first.
   std::vector<StoredAxis> order = {StoredAxis::component, StoredAxis::i, StoredAxis::j,
                                    StoredAxis::k, StoredAxis::frame};
   std::int64_t frames = 1;

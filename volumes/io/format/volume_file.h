@@ -23,7 +23,7 @@ struct ReadOptions {
   std::optional<int> channel = {};  // of several values per voxel, from 0
   /// Spacing of i, j, k in place of the file's; directions and the origin stay.
   std::optional<Vec3d> spacing_mm = {};
-  /// Where a transform that names no grid is evaluated.
+  /// The grid on which a transform that names none is evaluated.
   const Geometry* grid = nullptr;
 };
 
