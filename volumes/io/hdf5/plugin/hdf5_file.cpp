@@ -31,7 +31,7 @@ herr_t refuse_other_file(const char*, const char*, const char* file, const char*
 }
 
 herr_t collect_link(hid_t, const char* name, const H5L_info_t* info, void* client) noexcept {
-  // Far beyond what files of images hold.
+  // Number of links far beyond what files of images hold.
   constexpr std::size_t kMaxLinks = 20000;
   auto* names = static_cast<std::vector<std::string>*>(client);
   try {

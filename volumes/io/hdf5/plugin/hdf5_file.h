@@ -34,14 +34,14 @@ class Hdf5Handle {
   Close m_close = nullptr;
 };
 
-/// Why the library's last call failed.
+/// Reason why the library's last call failed.
 struct Failure {
   std::string reason;   // its innermost message, one line
   int errno_value = 0;  // 0 where the system was not at fault
 };
 Failure last_failure();
 
-/// No messages, no plugins, no work at exit. To be called before anything else.
+/// Turns off messages, plugins and work at exit. To be called before anything else.
 void prepare_library();
 
 /// The type of values in memory.
@@ -68,7 +68,7 @@ class Hdf5File {
   const std::string& shown() const { return m_shown; }
   [[noreturn]] void fail(const std::string& field, const std::string& found,
                          const std::string& expected) const;
-  /// With the reason of the library's last failure.
+  /// Throws InputError with the reason of the library's last failure.
   [[noreturn]] void fail_library(const std::string& field) const;
 
   /// False also for a link that leads nowhere.

@@ -14,7 +14,7 @@ namespace {
 
 constexpr hsize_t kMaxComponents = 16;
 
-/// What stands beside the voxels.
+/// Values of the header that stand beside the voxels.
 struct ItkHeader {
   std::vector<double> sizes, origin, spacing;
   std::vector<double> directions;  // row a: the unit vector of axis a

@@ -47,7 +47,7 @@ Vec3d spacing_from(const Hdf5File& file, const std::string& name, const std::vec
   return spacing;
 }
 
-/// Empty where no attribute of the dataset says it.
+/// Spacing by the dataset's attributes; empty where none says it.
 std::optional<Vec3d> attribute_spacing(const Hdf5File& file, const Dataset& dataset,
                                        std::vector<std::string>& warnings) {
   const auto read = [&](const char* name, double mm) -> std::optional<Vec3d> {

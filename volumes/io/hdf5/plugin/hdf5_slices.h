@@ -9,7 +9,7 @@
 
 namespace supple::hdf5 {
 
-/// Which values of a dataset make up the slices.
+/// Values of a dataset that make up the slices.
 struct SliceSelection {
   std::vector<hsize_t> start, count;  // of all slices, per axis of the dataset
   int axis = 0;                       // slices follow each other along this axis ...
@@ -23,7 +23,7 @@ class SliceReader {
   /// byte in the file for every 4096. Throws InputError.
   SliceReader(std::shared_ptr<const Hdf5File> file, Dataset dataset, ValueType type,
               SliceSelection selection);
-  /// The next slice in native byte order.
+  /// Reads the next slice in native byte order.
   void read(void* out);
 
  private:

@@ -70,7 +70,7 @@ std::string text_of(const Hdf5File& file, const SmallSource& source) {
   return trimmed(text);
 }
 
-/// Closed where the object has no such attribute.
+/// Opens an attribute; the handle is closed where the object has none of this name.
 Hdf5Handle open_attribute(const Hdf5File& file, const Hdf5Handle& object, const std::string& name) {
   const htri_t exists = H5Aexists(object.get(), name.c_str());
   if (exists < 0) file.fail_library(name);
