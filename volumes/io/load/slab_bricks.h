@@ -23,11 +23,11 @@ struct SlabBrick {
   BrickMask within(double lo, double hi) const;
   /// The voxels inside the volume whose density is above the threshold; a NaN never is.
   BrickMask above(float threshold) const;
-  /// Of a leaf, if there is one (density_leaf.h).
+  /// Notes extremes in the leaf, if there is one (density_leaf.h).
   void note_extremes(const BrickMask& active) {
     if (leaf) leaf.note_extremes(active);
   }
-  /// The leaf, made where there was none; the brick is left without it.
+  /// Takes the leaf, made where there was none; the brick is left without it.
   DensityLeaf take_leaf();
 };
 

@@ -8,7 +8,7 @@
 
 namespace supple {
 
-/// Of finite values after slope and intercept; sums are those of blocks in order.
+/// Statistics of values: of finite ones after slope and intercept; sums are those of blocks.
 struct SliceStatistics {
   double min, max;  // infinite without a finite value
   double sum = 0;

@@ -7,8 +7,8 @@
 
 namespace supple {
 
-/// In the order of the voxels, which must lie in the volume; NaN where the file holds no number.
-/// Cost: reading the file, from where it stands, up to the last of their slices.
+/// Values in the order of the voxels, which must lie in the volume; NaN where the file holds no
+/// number. Cost: reading the file, from where it stands, up to the last of their slices.
 std::vector<float> values_at(VolumeFile& file, const std::vector<Vec3i>& voxels);
 
 }  // namespace supple
