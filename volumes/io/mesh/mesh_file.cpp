@@ -46,7 +46,7 @@ void MeshFile::edit(const VectorSlot& slot, const Vec3d& before, const Vec3d& af
   }
 }
 
-/// In LPS; what it was where nothing turns it.
+/// The new normal, in LPS; the old one where nothing turns it.
 Vec3d MeshFile::new_normal(const MeshSlots::Normal& normal,
                            const std::vector<Vec3d>& positions_lps_mm,
                            const TurnNormal& turned) const {

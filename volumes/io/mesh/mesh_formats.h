@@ -22,7 +22,7 @@ class MeshWords {
   std::string_view next_on_line();
   void skip_line();
 
-  /// The next word must be that; lower case.
+  /// Takes the next word, which must be `word`; lower case.
   void expect(std::string_view word);
   double number(std::string_view word) const;
   double number() { return number(next()); }
@@ -30,13 +30,13 @@ class MeshWords {
   /// A whole number from 0 to 2^31 - 2.
   std::int64_t count(std::string_view word) const;
 
-  /// Where a word taken from this text stands in it.
+  /// The place in this text of a word taken from it.
   NumberSlot slot_of(std::string_view word, NumberCode code = NumberCode::text) const {
     return {std::size_t(word.data() - m_text.data()), std::uint32_t(word.size()), code};
   }
   /// Three numbers of this text, and where they stand.
   Vec3d vector(VectorSlot& slots);
-  /// Past binary data.
+  /// Passes over binary data.
   void skip_bytes(std::size_t count) { m_position += count; }
 
   /// Offset of the first byte that was not taken.
@@ -78,10 +78,10 @@ void add_vtk_contents(const std::string& path, const std::string& content, MeshC
 
 /// The whole file. Throws InputError above 16 GB.
 std::string read_mesh_content(const std::string& path);
-/// By the extension, with indices and coordinates checked, LPS; there may be no triangle.
+/// Parses by the extension, indices and coordinates checked, LPS; there may be no triangle.
 TriangleMesh parse_mesh(const std::string& path, const std::string& content, MeshSlots* slots,
                         MeshLines* lines = nullptr);
-/// Whether the head of the file says that its frame is RAS.
+/// True if the head of the file says that its frame is RAS.
 bool says_ras(const std::string& content);
 
 }  // namespace supple

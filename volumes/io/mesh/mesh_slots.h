@@ -1,4 +1,4 @@
-// Where the coordinates and normals of a mesh stand in its file, so that they can be replaced and
+// Places of the coordinates and normals of a mesh in its file, so that they can be replaced and
 // every other byte kept. Cost: 48 bytes per vertex, 96 per normal.
 #pragma once
 

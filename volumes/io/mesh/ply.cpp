@@ -48,7 +48,7 @@ class Values {
     return decode(type, bytes);
   }
 
-  /// Where the last number stands.
+  /// The place of the last number.
   const NumberSlot& slot() const { return m_slot; }
 
   std::size_t bytes_left() const {
@@ -149,7 +149,7 @@ VertexProperty vertex_property(const std::string& path, const Property& property
                     "float or double, so that vertices can move"});
 }
 
-/// Where the vertices of a file and their normals stand.
+/// Places of the vertices of a file and of their normals.
 class VertexSlots {
  public:
   VertexSlots(const std::string& path, const Element& element, MeshSlots* slots) : m_slots(slots) {

@@ -16,7 +16,7 @@ namespace {
 /// Fewer vertices than an int counts, in every format.
 constexpr std::int64_t kMaxFileBytes = std::int64_t(1) << 34;
 
-/// Where STL, PLY, OBJ and VTK files of 3D Slicer name their frame.
+/// Bytes of the head in which STL, PLY, OBJ and VTK files of 3D Slicer name their frame.
 constexpr std::size_t kHeadBytes = 512;
 
 void check_mesh(const std::string& path, const TriangleMesh& mesh) {

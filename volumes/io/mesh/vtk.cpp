@@ -284,7 +284,7 @@ class VtkReader {
     }
   }
 
-  /// Up to an empty line.
+  /// Passes over the lines up to an empty one.
   void skip_metadata() {
     m_words.skip_line();
     while (!m_words.next_on_line().empty()) m_words.skip_line();

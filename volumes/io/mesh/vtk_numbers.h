@@ -30,7 +30,7 @@ class VtkNumbers {
   /// `slot`, where given, receives where it stands.
   double read_number(VtkType type, NumberSlot* slot = nullptr);
   Vec3d read_vector(VtkType type, VectorSlot& slot);
-  /// Past that many values of any type.
+  /// Passes over that many values of any type.
   void skip(std::size_t count, VtkType type);
 
  private:
