@@ -18,7 +18,7 @@ namespace supple {
 std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options = {},
                                         Progress* progress = nullptr);
 
-/// Of a volume that a user names.
+/// Options for reading a volume that a user names.
 Fields fields(ReadOptions& options);
 
 /// Opens the files of open_volume(), and files of vectors when no channel is chosen.

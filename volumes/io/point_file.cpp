@@ -50,7 +50,7 @@ std::vector<PointField> fields_of(const std::string& line) {
   return fields;
 }
 
-/// Of the mark that some programs put before UTF-8.
+/// Size of the mark that some programs put before UTF-8.
 std::size_t mark_bytes(const std::string& content) {
   return content.rfind("\xef\xbb\xbf", 0) == 0 ? 3 : 0;
 }
@@ -99,7 +99,7 @@ class PointReader {
     }
   }
 
-  /// Whether a line of a list names columns, as those of this program and of spreadsheets do.
+  /// True if a line of a list names columns, as those of this program and of spreadsheets do.
   static bool names_columns(const std::string& text) {
     const std::vector<PointField> names = fields_of(lower_case(text));
     return std::any_of(names.begin(), names.end(),
@@ -166,7 +166,7 @@ class PointReader {
     m_file.rows.push_back(row);
   }
 
-  /// In LPS.
+  /// The number in a column, in LPS.
   double number(const std::vector<PointField>& fields, int column) const {
     const std::size_t at = std::size_t(m_columns[std::size_t(column)]);
     const char* name = kColumns[std::size_t(column)];

@@ -16,7 +16,7 @@
 namespace supple {
 
 struct PointFile {
-  /// Where in the file a number stands.
+  /// The bytes of the file in which a number stands.
   struct Span {
     std::size_t begin = 0, size = 0;
   };

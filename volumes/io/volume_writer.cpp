@@ -23,8 +23,8 @@ void finishing(tbb::task_group& tasks, const Work& work) {
   tasks.wait();
 }
 
-/// Slice after slice, each filled while the one before is written; `fill(k, out)` makes the bytes
-/// of slice k. Returns the writer's warnings.
+/// Writes slice after slice, each filled while the one before is written; `fill(k, out)` makes the
+/// bytes of slice k. Returns the writer's warnings.
 template <class Fill>
 std::vector<std::string> write_image(const std::string& path, const DenseImage& image,
                                      const WriteOptions& options, const Fill& fill,

@@ -30,7 +30,7 @@ std::optional<WarpDirection> parse_direction(const VolumeHeader& header) {
   HeaderField{header.path, "supple direction", name}.fail("resample or material");
 }
 
-/// Whether three values per voxel may be a displacement; plain bytes are colours in every format.
+/// True if three values per voxel may be a displacement; plain bytes are colours in every format.
 bool may_be_displacement(const VolumeHeader& header) {
   const bool are_bytes = header.type == ValueType::uint8 && header.slope == 1;
   return header.components == 3 && header.are_vectors && !are_bytes;

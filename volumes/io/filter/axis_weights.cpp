@@ -13,7 +13,7 @@ namespace {
 constexpr double kCutOff = 4;  // standard deviations
 constexpr double kSplineReach = 12;
 
-/// Of output n, in inputs.
+/// Place of output n along the inputs.
 double place_of(int n, double step) {
   return (n + 0.5) * step - 0.5;
 }

@@ -47,7 +47,7 @@ class GridVolume : public VolumeFile {
       scale_values_of(m_header.type)(stored.data(), slice, 1, 0, &m_values[slice * std::size_t(k)]);
       report(progress, double(k + 1) / dims.z);
     }
-    // Of the densities: a negative slope turns the order of stored values.
+    // The least density counts: a negative slope turns the order of stored values.
     m_outside = std::numeric_limits<double>::infinity();
     for (const double value : m_values) {
       if (std::isfinite(value)) m_outside = std::min(m_outside, m_header.slope * value);

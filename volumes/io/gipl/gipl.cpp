@@ -17,7 +17,7 @@ namespace supple {
 namespace {
 
 constexpr std::size_t kHeaderSize = 256;
-// Of older programs, and of ITK.
+// Magic numbers of older programs, and of ITK.
 constexpr std::uint32_t kMagics[] = {719555000u, 4026526128u};
 
 enum Offset : std::size_t { kDims = 0, kType = 8, kSpacing = 10, kOrigin = 204, kMagic = 252 };

@@ -15,7 +15,7 @@ namespace supple {
 
 namespace {
 
-/// What libpng needs at hand while it reads: errors leave by longjmp, with a message left here.
+/// State of libpng while it reads: errors leave by longjmp, with a message left here.
 struct PngReader {
   const InputFile& file;
   std::int64_t offset = 0;

@@ -64,7 +64,7 @@ std::string number_at(const std::string& name, std::size_t& at) {
   return name.substr(first, at - first);
 }
 
-/// By numbers inside the names, as people sort: s2 before s10.
+/// Orders names by the numbers inside them, as people sort: s2 before s10.
 bool comes_before(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {

@@ -112,7 +112,7 @@ std::vector<double> numbers_of(const HeaderField& field, std::size_t count,
   return values;
 }
 
-/// Of the first three axes; time must not run through space.
+/// Geometry of the first three axes; time must not run through space.
 Geometry parse_geometry(const MetaHeader& header, const std::vector<std::int64_t>& sizes,
                         const ReadOptions& options) {
   const std::size_t count = sizes.size(), spatial = std::min<std::size_t>(count, 3);
@@ -142,7 +142,7 @@ Geometry parse_geometry(const MetaHeader& header, const std::vector<std::int64_t
   return make_geometry(header.path, dims, origin, axes);
 }
 
-/// What supple's own writer says of a warp: "supple direction NAME, …"; empty in other comments.
+/// NAME of supple's own comment on a warp, "supple direction NAME, …"; empty in other comments.
 std::string direction_in(const std::string& comment) {
   const std::string mark = "supple direction ";
   if (comment.compare(0, mark.size(), mark) != 0) return "";

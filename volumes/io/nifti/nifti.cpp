@@ -21,7 +21,7 @@ namespace supple {
 
 namespace {
 
-/// What lies at one place of the file.
+/// Type and number of the values at one place of the file.
 struct NiftiSamples {
   ValueType type;
   int components;  // together: colours
@@ -88,7 +88,7 @@ void parse_scaling(const std::string& path, const nifti_2_header& header, Volume
   volume.intercept = intercept;
 }
 
-/// Whether three values may be a displacement in mm: SPM's y_*.nii and fields of NiftyReg hold
+/// True if three values may be a displacement in mm: SPM's y_*.nii and fields of NiftyReg hold
 /// places, and FSL's coefficients and warps have axes of their own.
 bool may_be_displacement(const nifti_2_header& header) {
   const std::string name(header.intent_name,

@@ -23,7 +23,7 @@ struct NiftiHeader {
   bool big_endian = false;
   bool in_one_file = true;  // by its magic; else the values are in an .img file
 
-  /// Of the fixed fields; four bytes of the extender follow.
+  /// Size of the fixed fields; four bytes of the extender follow.
   std::int64_t size() const { return version == 1 ? 348 : 540; }
 };
 

@@ -63,7 +63,7 @@ NiftiHeader header_of(const DenseImage& image, const WriteOptions& options,
   return header;
 }
 
-/// What the header rounds or leaves out.
+/// Lists what the header rounds or leaves out.
 std::vector<std::string> losses_of(const DenseImage& image, const NiftiHeader& header) {
   std::vector<std::string> lines;
   const auto is_float = [](double value) { return double(float(value)) == value; };

@@ -115,7 +115,7 @@ std::vector<std::vector<double>> directions_of(const NrrdHeader& header, std::si
   return vectors;
 }
 
-/// Whether 3D Slicer wrote a sequence of volumes along this axis.
+/// True if 3D Slicer wrote a sequence of volumes along this axis.
 bool is_sequence(const NrrdHeader& header, std::size_t a) {
   return header.keys.count("axis " + std::to_string(a) + " index type") > 0 ||
          header.keys.count("axis " + std::to_string(a) + " index values") > 0;

@@ -55,7 +55,7 @@ std::string header_of(const DenseImage& image, const std::string& data_file, boo
   text += "space units: \"mm\" \"mm\" \"mm\"\n";
   if (is_vector) {
     text += "supple direction:=" + image.direction + "\nsupple vectors:=mm LPS\n";
-    // As 3D Slicer says it, from 5.9 on.
+    // 3D Slicer says it in these words, from 5.9 on.
     const bool moves_points = image.direction == "material";
     text += std::string("displacement field type:=") + (moves_points ? "modeling" : "resampling") +
             "\n";

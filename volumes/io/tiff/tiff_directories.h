@@ -1,4 +1,4 @@
-// Where the directories of a TIFF or BigTIFF file lie. Pages are then reached by offset instead of
+// Places of the directories of a TIFF or BigTIFF file. Pages are then reached by offset instead of
 // by number, which libtiff finds only by walking the chain from its start.
 // Source: TIFF 6.0, section 2; BigTIFF (libtiff.gitlab.io/libtiff/specification/bigtiff.html).
 // Cost: two small reads and 8 bytes per directory.

@@ -10,8 +10,8 @@ namespace supple {
 /// The most that libtiff may allocate at once.
 constexpr tmsize_t kMaxTiffAllocation = tmsize_t(1) << 30;
 
-/// As TIFFOpen; the first error goes to `message`, which must outlive the handle. Files are not
-/// mapped into memory, so that one that shrinks meanwhile is an error and no signal.
+/// Opens a file as TIFFOpen does; the first error goes to `message`, which must outlive the handle.
+/// Files are not mapped into memory, so that one that shrinks meanwhile is an error and no signal.
 TIFF* open_tiff_quietly(const std::string& path, const std::string& mode, std::string& message);
 
 }  // namespace supple

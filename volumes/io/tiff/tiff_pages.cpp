@@ -176,7 +176,7 @@ void TiffPages::check_length(std::size_t pages) const {
 
 void TiffPages::read(std::size_t page, void* out) {
   select(m_offsets.at(page));
-  // Of all pages the first alone was kept; another may be stored in another way.
+  // The first page alone was kept; another one may be stored in another way.
   const bool in_planes = parse_page().in_planes;
   m_message.clear();
   auto* bytes = static_cast<char*>(out);

@@ -50,10 +50,10 @@ class TiffPages {
   std::size_t count() const { return m_offsets.size(); }
   /// The format that all pages share.
   const TiffPage& format() const { return m_format; }
-  /// Of the first page.
+  /// Description and resolution of the first page.
   const std::string& description() const { return m_description; }
   const TiffResolution& resolution() const { return m_resolution; }
-  /// Where the values of the first page start if they are neither compressed nor scattered.
+  /// First byte of the first page's values if they are neither compressed nor scattered.
   std::optional<std::int64_t> first_byte() const { return m_first_byte; }
   const InputFile& file() const { return m_file; }
 

@@ -43,8 +43,8 @@ class TiffDirectory {
   void add(TiffTag tag, TiffType type, const std::vector<std::uint64_t>& values);
   void add(TiffTag tag, const std::string& text);
 
-  /// As it stands at `place` of the file, a multiple of 8; so is its size. The next directory
-  /// follows right behind unless this is the last one.
+  /// The directory's bytes for `place` of the file, a multiple of 8, as is their number. The next
+  /// directory follows right behind unless this is the last one.
   std::string bytes_at(std::uint64_t place, bool is_last) const;
 
  private:

@@ -75,7 +75,7 @@ std::string description_of(const Geometry& geometry) {
          "\n";
 }
 
-/// What programs other than supple will not find in the file.
+/// A warning of geometry that programs other than supple will not find in the file.
 std::string lost_geometry(const Geometry& geometry) {
   const bool is_moved = geometry.origin_lps_mm() != Vec3d(0, 0, 0);
   const std::array<Vec3d, 3> identity = {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}};

@@ -39,7 +39,7 @@ class Parameters {
     return {m_path, key, found == m_values.end() ? "" : found->second};
   }
 
-  /// Without its quotes.
+  /// The word of a key without its quotes.
   HeaderField word(const std::string& key, const std::string& fallback = "") const {
     HeaderField found = field(key);
     if (!has(key)) found.text = fallback;

@@ -30,7 +30,7 @@ constexpr std::uint64_t kHeadBytes = kFirstNameAt + 7;
 constexpr std::size_t kTrailerBytes = 128;
 using Trailer = std::array<char, kTrailerBytes>;
 
-/// How the two kinds of our files are marked and called.
+/// Marks and names of the two kinds of our files.
 struct Mark {
   const char* metadata_prefix;
   const char* trailer_magic;  // of equal lengths
@@ -68,7 +68,7 @@ std::uint64_t file_length(const std::string& path) {
   return std::uint64_t(status.st_size);
 }
 
-/// What the first and last bytes of a file say.
+/// The first and last bytes of a file, taken apart.
 struct Ends {
   bool is_vdb = false;
   std::string first_name;  // of the metadata: its first seven characters

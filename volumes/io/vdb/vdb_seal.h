@@ -14,14 +14,14 @@
 
 namespace supple {
 
-/// Who wrote a file, by its first and last bytes.
+/// The writer of a file, by its first and last bytes.
 enum class VdbKind {
   none,     // no OpenVDB file
   foreign,  // another program's
   state,    // a deformed body (state.h)
   volume    // a dense volume or warp (dense_writer.h)
 };
-/// `none` also for files that cannot be read.
+/// The kind of a file; `none` also for files that cannot be read.
 VdbKind vdb_kind(const std::string& path);
 
 /// Names of all our file-level metadata start with this; OpenVDB writes them sorted, so the first

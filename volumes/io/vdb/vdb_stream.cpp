@@ -21,7 +21,7 @@ namespace supple {
 namespace {
 
 constexpr std::size_t kMaxMessage = 1000;
-// For OpenVDB, c-blosc and TBB beside the grids themselves.
+// Memory for OpenVDB, c-blosc and TBB beside the grids themselves.
 constexpr std::int64_t kWorkingBytes = std::int64_t(64) << 20;
 
 /// The steps of io::Stream, grid by grid.
@@ -108,7 +108,7 @@ class GridWriter : public openvdb::io::Archive {
   }
 
  private:
-  /// What writeGrid() does, but for the leaves where they are given.
+  /// Writes a grid as writeGrid() does, but for the leaves where they are given.
   void write_grid(std::ostream& out, const OutgoingGrid& outgoing) const {
     const openvdb::GridBase& grid = *outgoing.grid;
     openvdb::io::GridDescriptor descriptor(grid.getName(), grid.type(), grid.saveFloatAsHalf());

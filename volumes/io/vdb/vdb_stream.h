@@ -54,9 +54,9 @@ struct OutgoingGrid {
   std::function<void(std::ostream&)> write_leaves;
 };
 
-/// As make_vdb_grid(), for grids that are written and not read: `fill(leaf, b)` is asked for the
-/// values of all active voxels of a brick when its leaf is written, by one thread. `bricks` and all
-/// that `fill` refers to have to last until then. Cost: some 150 bytes per brick.
+/// Makes a grid as make_vdb_grid() does, to be written and not read: `fill(leaf, b)` is asked for
+/// the values of all active voxels of a brick when its leaf is written, by one thread. `bricks` and
+/// all that `fill` refers to have to last until then. Cost: some 150 bytes per brick.
 template <class Grid, class Fill>
 OutgoingGrid make_outgoing_grid(const char* name, const BrickTopology& bricks,
                                 const typename Grid::ValueType& background, Fill fill) {
@@ -98,7 +98,7 @@ struct VdbContent {
   openvdb::MetaMap metadata;
 };
 
-/// Whether a seal vouches for the file, which is then decoded on all threads, or it may hold
+/// Trust in a file: a seal vouches for it, and it is decoded on all threads, or it may hold
 /// anything and is read from one end to the other.
 enum class VdbTrust { sealed, foreign };
 

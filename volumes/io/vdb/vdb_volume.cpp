@@ -124,7 +124,7 @@ Geometry geometry_of_grid(const openvdb::GridBase& grid, const std::string& path
                         world(first + openvdb::Vec3d(0, 0, 1)) - origin});
 }
 
-/// What our own writer records beside the grid.
+/// Reads what our own writer records beside the grid.
 void read_metadata(const openvdb::MetaMap& metadata, VolumeHeader& header) {
   const std::string prefix = kVolumeMetadataPrefix;
   header.geometry = geometry_from_json(text_of(metadata, prefix + "geometry"), header.path);

@@ -59,7 +59,7 @@ std::vector<std::array<int, 4>> split_cell(int type, const std::vector<int>& c) 
     return split;
   };
   const auto holds = [&](std::size_t corners) { return c.size() >= corners; };
-  // Of a hexahedron the six around the diagonal from corner 0 to corner 6.
+  // The six tetrahedra of a hexahedron around its diagonal from corner 0 to corner 6.
   const std::vector<std::array<int, 4>> hexahedron = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
                                                       {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
   const std::vector<std::array<int, 4>> voxel = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7},

@@ -20,7 +20,7 @@ struct MovedSolid {
   std::vector<std::array<int, 4>> tetrahedra;
 };
 
-/// Whether the first bytes of a file are those of one.
+/// True if the first bytes of a file are those of a VTU file.
 bool is_vtu(const std::string& head);
 /// Whether they are those of VTK's XML image data (`.vti`).
 bool is_vti(const std::string& head);

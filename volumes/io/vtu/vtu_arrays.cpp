@@ -157,7 +157,7 @@ std::string inflated_blocks(const VtuArray& array, const VtuEncoding& encoding, 
   for (std::size_t n = 0; n < sizes.size(); ++n) {
     const bool is_short = n + 1 == sizes.size() && last_size > 0;
     uLongf size = uLongf(is_short ? last_size : block_size);
-    // What zlib can make of so few bytes at most.
+    // A block larger than zlib can make of so few bytes is damage.
     if (size / 1100 > sizes[n] + 1) fail_array(array, encoding, "a short block", "data by zlib");
     block.resize(size);
     const int done = uncompress(reinterpret_cast<Bytef*>(&block[0]), &size,

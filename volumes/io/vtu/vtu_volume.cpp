@@ -10,7 +10,7 @@ namespace supple {
 
 namespace {
 
-/// Of barycentric coordinates: points on a face belong to both of its tetrahedra.
+/// Tolerance of barycentric coordinates: points on a face belong to both of its tetrahedra.
 constexpr double kOnFace = 1e-9;
 
 /// A tetrahedron where it is now, in the index frame of the grid.
