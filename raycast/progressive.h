@@ -37,7 +37,7 @@ class ProgressiveRender {
   bool refine() { return refine_to(next_spacing()); }
   /// The next passes up to this spacing (1, 2, 4 or 8) as one, which takes less time; at least one.
   bool refine_to(int spacing);
-  /// From any thread and for good: what refines returns after at most 16 pixels per thread.
+  /// Cancels from any thread and for good: passes return after at most 16 pixels per thread.
   void cancel() { m_cancelled = true; }
 
   /// Pixels that were to be marched when it was begun.

@@ -25,7 +25,7 @@ using ArrowAt = std::function<bool(const Vec3d& index, Arrow& arrow)>;
 std::vector<Arrow> arrows_on_lattice(const Geometry& geometry, double apart_mm,
                                      const ArrowAt& arrow_at);
 
-/// One surface for each of the colours that occur, of `kArrowColours` up to `longest_mm`; longer
+/// Makes a surface for each colour that occurs, of `kArrowColours` up to `longest_mm`; longer
 /// arrows have the last. Shafts are an eighth of `apart_mm` thick, and heads shorter than arrows.
 std::vector<Surface> arrow_surfaces(const std::vector<Arrow>& arrows, double apart_mm,
                                     double longest_mm,

@@ -20,7 +20,7 @@ struct LabelSurface {
   TriangleMesh mesh;  // counter-clockwise from outside
 };
 
-/// In ascending order of labels; 0 is no label. `label_at`: of a voxel of the grid.
+/// Surfaces in ascending order of labels; 0 is no label. `label_at`: of a voxel of the grid.
 std::vector<LabelSurface> label_surfaces(
     const Geometry& geometry, const std::function<std::int64_t(const Vec3i& voxel)>& label_at);
 

@@ -22,7 +22,7 @@ using ValueAt = std::function<std::optional<double>(const Vec3d& index)>;
 /// det F at the ends of its colours, unless told.
 constexpr ScalarRange kVolumeRatios{0.5, 1.5};
 
-/// From light to dark, or from blue over grey to red for values about a middle.
+/// Colours from light to dark, or from blue over grey to red for values about a middle.
 enum class ValueColours { ascending, about_middle };
 /// Colour of a value by its share of the way through a range, 0 to 1.
 Rgb value_colour(ValueColours colours, double share);

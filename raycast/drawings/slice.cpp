@@ -44,7 +44,7 @@ class ThickSlice {
     m_step = geometry.index_vector_from_world(slice.direction()[2] * style.thickness_mm) / m_count;
   }
 
-  /// False where all of it lies outside the box.
+  /// Gathers the densities; false where all of the line lies outside the box.
   bool gather(const Vec3d& middle, const DensityAt& density, double& gathered) const {
     int inside = 0;
     for (int n = 0; n < m_count; ++n) {

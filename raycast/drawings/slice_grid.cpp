@@ -13,7 +13,7 @@ namespace {
 constexpr int kMaxPixels = 16384;
 constexpr double kNearlyAxial = 0.9;  // cosine of 25 degrees
 
-/// For L, P and S the grid axis that follows it most closely, every axis once.
+/// Finds for L, P and S the grid axis that follows it most closely, every axis once.
 std::array<int, 3> patient_axes(const Geometry& geometry) {
   const auto direction = geometry.direction();
   std::array<int, 3> order = {0, 1, 2}, best = order;

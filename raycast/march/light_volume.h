@@ -41,8 +41,8 @@ class LightVolume {
   LightVolume(const Geometry& geometry, const Vec3d& lo, const Vec3d& hi, double spacing_mm,
               int lights);
 
-  /// At a place of the index space, held within the box. Calls fill(place of the node) -> Light for
-  /// nodes that are missing, once each, from any thread.
+  /// Light at a place of the index space, held within the box. Calls fill(place of the node) ->
+  /// Light for nodes that are missing, once each, from any thread.
   template <class Fill>
   Light at(const Vec3d& place, Fill&& fill) const;
 

@@ -44,7 +44,7 @@ struct OverlayText {
 };
 
 using OverlayShape = std::variant<OverlayFace, OverlayLine, OverlayText>;
-/// In the order of drawing.
+/// Shapes in the order of drawing.
 using Overlay = std::vector<OverlayShape>;
 
 /// Draws over the picture with smooth edges; transparent pixels become opaque there. Parts beyond

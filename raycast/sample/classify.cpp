@@ -72,7 +72,7 @@ void Classifier::find_visible_intervals() {
   if (count == m_last_visible - m_first_visible + 1) m_visible_bits.clear();
 }
 
-/// Beyond its ends the function is constant.
+/// The integral up to an entry; beyond its ends the function is constant.
 Classifier::Integral Classifier::integral_at(double entry) const {
   const int last = kEntries - 1;
   const int n = std::clamp(int(std::floor(entry)), 0, last - 1);

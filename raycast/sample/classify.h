@@ -46,7 +46,7 @@ class Classifier {
   /// Intervals between neighbouring entries that are not both transparent: the first and the last.
   std::int32_t first_visible() const { return m_first_visible; }
   std::int32_t last_visible() const { return m_last_visible; }
-  /// Null when all those between are, too; else one bit for each: bit n & 31 of word n >> 5.
+  /// Bits of the intervals between: bit n & 31 of word n >> 5; null when all of them are visible.
   const std::int32_t* visible_bits() const {
     return m_visible_bits.empty() ? nullptr : m_visible_bits.data();
   }

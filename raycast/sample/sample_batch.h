@@ -107,7 +107,7 @@ void sample_gradients(const SamplingTables& tables, SampleBatch& batch, std::uin
 const char* sampling_instruction_set();
 /// Instruction sets that this machine has, best first.
 std::vector<std::string> sampling_instruction_sets();
-/// For comparisons: one of the above from now on, in all threads; "" the best again.
+/// Chooses one of them from now on, in all threads, for comparisons; "" the best again.
 void choose_sampling_instruction_set(const std::string& name);
 
 }  // namespace supple

@@ -39,7 +39,7 @@ SurfaceFace face_of(const TriangleMesh& mesh, const std::array<int, 3>& triangle
   return face;
 }
 
-/// For each vertex a number that it shares with all others at its place.
+/// Gives each vertex a number that it shares with all others at its place.
 std::vector<int> places_of(const std::vector<Vec3d>& vertices) {
   std::vector<int> order(vertices.size());
   std::iota(order.begin(), order.end(), 0);

@@ -32,7 +32,7 @@ struct TransferFunction {
   /// inside a thin sheet, point anywhere; shading fades to facing the light, or samples that happen
   /// to fall there show as dark lines. 0 trusts all.
   double full_shading_gradient = 0;
-  /// Behind pictures that ask for none: a name of parse_background(), or empty: transparent.
+  /// Background of pictures that ask for none: a name of parse_background(); empty: transparent.
   std::string background;
   double ambient = 0.2, diffuse = 0.9, specular = 0.2, specular_power = 10;
 

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kForOutput = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
 
-/// In the child: limits, working directory, standard streams, exec.
+/// Sets limits, working directory and standard streams in the child, and calls exec.
 [[noreturn]] void become(const std::vector<std::string>& arguments, const RunOptions& options,
                          const std::string& out, const std::string& err) {
   if (options.max_file_bytes >= 0) {

@@ -29,7 +29,7 @@ class WrappingFormatter final : public CLI::Formatter {
 /// `indent` blanks.
 std::string wrapped(const std::string& text, std::size_t indent);
 
-/// Null where there is no such command.
+/// The command of this name; null where there is none.
 const CLI::App* find_command(const CLI::App& program, const std::string& name);
 
 /// The options of a command and of the program that are shown in help, in their order.

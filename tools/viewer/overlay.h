@@ -29,7 +29,7 @@ class OverlayField {
   /// Refers to the session's body and the opened state. `rest`: not null.
   OverlayField(FieldOverlay overlay, const Session& session, const State& opened,
                const RestPlaceAt& rest);
-  /// None where no tissue is seen.
+  /// The value at a place; none where no tissue is seen.
   std::optional<double> at(const Vec3d& index) const;
   /// Paints the values of at() in the colours of the overlay; clear where nothing is displaced,
   /// strained or changed in volume. Refers to this.

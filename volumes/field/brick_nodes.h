@@ -64,7 +64,7 @@ using Float4 = float __attribute__((vector_size(16)));
 struct NodeDerivatives {
   Float4 value, along_x, along_y, along_z;
 };
-/// From the corners of a cell, x slowest, at a place in it, 0 … 1.
+/// Vector and derivatives from the corners of a cell, x slowest, at a place in it, 0 … 1.
 NodeDerivatives derivatives_of(const Float4 (&corners)[8], float x, float y, float z);
 
 }  // namespace supple

@@ -30,7 +30,7 @@ struct VectorBrickView {
 /// The brick with this origin, wherever it is kept. May be asked by several threads at once.
 using VectorBrickFinder = std::function<VectorBrickView(const Vec3i& origin)>;
 
-/// Those of a field that outlives the finder.
+/// A finder of the bricks of a field that outlives it.
 VectorBrickFinder finder_of(const VectorBricks& field);
 
 }  // namespace supple

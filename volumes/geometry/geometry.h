@@ -42,7 +42,7 @@ class Geometry {
   /// Transforms an index-space gradient (a covector) to world: (A^-T) g, unit 1/mm.
   Vec3d world_gradient_from_index(const Vec3d& gradient) const;
 
-  /// Same affine, other dimensions.
+  /// A geometry of the same affine and other dimensions.
   Geometry with_dims(const Vec3i& dims) const;
 
   bool operator==(const Geometry& other) const;

@@ -47,7 +47,7 @@ Turn turn_about(const Vec3d& axis, double angle_deg) {
   return {std::cos(half), axis.normalized() * std::sin(half)};
 }
 
-/// By the largest component first (Shepperd 1978).
+/// Finds the largest component first (Shepperd 1978).
 Turn turn_to(const std::array<Vec3d, 3>& axes) {
   const auto m = [&](int row, int column) { return axes[std::size_t(column)][row]; };
   const double trace = m(0, 0) + m(1, 1) + m(2, 2);

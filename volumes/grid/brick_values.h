@@ -89,7 +89,7 @@ class BrickArray {
 
   /// Room for that many bricks; those beyond are released.
   void resize(std::size_t brick_count);
-  /// Back to no bricks at all, and no memory.
+  /// Goes back to no bricks at all, and no memory.
   void clear() { BrickArray().swap(*this); }
 
   /// Memory held: the table, and chunks whether in use or free.

@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// How many elements each label has, 0 left out. One pass over the stored bricks.
+/// Number of elements that each label has, 0 left out. One pass over the stored bricks.
 std::map<std::int32_t, std::int64_t> label_counts(const BrickValues& labels);
 
 /// The elements of one label. One pass over the stored bricks.

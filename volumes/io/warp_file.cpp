@@ -36,7 +36,7 @@ bool may_be_displacement(const VolumeHeader& header) {
   return header.components == 3 && header.are_vectors && !are_bytes;
 }
 
-/// One slice as floats in LPS; returns how many vectors are not finite.
+/// Converts one slice to floats in LPS; returns how many vectors are not finite.
 std::int64_t convert_slice(const VolumeHeader& header, const std::vector<char>& stored,
                            std::vector<double>& values, Vec3f* out) {
   constexpr std::size_t kGrain = 4096;

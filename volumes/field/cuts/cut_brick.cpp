@@ -18,7 +18,7 @@ constexpr double kSameExactly = 5e-5;
 // Offsets whose lengths differ by less, in voxels, are equal: that of the first piece is taken.
 constexpr double kSameLength = 1e-4;
 
-/// Along an axis with one slice only what comes from that slice counts, not from its copies.
+/// True if X lies in the slice: along an axis with one slice only that counts, not its copies.
 bool is_in_slice(const Vec3d& X, const Vec3i& dims) {
   for (int a = 0; a < 3; ++a) {
     if (dims[a] == 1 && !(X[a] > -0.5 && X[a] <= 0.5)) return false;

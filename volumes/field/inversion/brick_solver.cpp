@@ -23,7 +23,7 @@ int count_common(const BrickMask& a, const BrickMask& b) {
 
 }  // namespace
 
-/// Along an axis with one slice only what comes from that slice counts, not from its copies.
+/// Adds a solution; along an axis with one slice only one from that slice, not from its copies.
 void BrickSolver::add_hit(const Vec3i& node, const Vec3d& source, const Vec3f& o) {
   for (int a = 0; a < 3; ++a) {
     if (m_dims[a] == 1 && !(source[a] > -0.5 && source[a] <= 0.5)) return;

@@ -36,7 +36,7 @@ class OutputBox {
       m_dims[a] = (box.hi[a] >> 3) - m_lo[a] + 1;
     }
     m_found.reserve(std::size_t(m_dims.x) * m_dims.y * m_dims.z);
-    // Ascending, as bricks are sorted by x, then y, then z.
+    // Origins ascend, as bricks are sorted by x, then y, then z.
     for (int x = 0; x < m_dims.x; ++x) {
       for (int y = 0; y < m_dims.y; ++y) {
         for (int z = 0; z < m_dims.z; ++z) {

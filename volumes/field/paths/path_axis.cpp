@@ -64,7 +64,7 @@ class Taper : public PathFunction {
   double m_factor;
 };
 
-/// In the plane of axis (s) and direction (r): the arc's centre is at s = begin, r = R.
+/// Bends in the plane of axis (s) and direction (r): the arc's centre is at s = begin, r = R.
 class Bend : public PathFunction {
  public:
   explicit Bend(const BendParams& params)

@@ -60,7 +60,7 @@ class PointSolver {
     return true;
   }
 
-  /// One step that makes the residual smaller; false where none of the halved ones does.
+  /// Makes one step that makes the residual smaller; false where none of the halved ones does.
   bool advance(const Vec3d& x, Vec3d step, Vec3d& X, CellPlace& place, Vec3d& residual) const {
     const double length = step.length();
     if (!(length < 1e8)) return false;

@@ -122,7 +122,7 @@ class MotionToRest final : public PointMotion {
     return found;
   }
 
-  /// Far away the displacement is constant.
+  /// True if a place is not so far away that the displacement is constant.
   static bool is_near(const Vec3d& x) {
     return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) < kFarthest;
   }

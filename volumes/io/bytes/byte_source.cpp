@@ -38,7 +38,7 @@ class PlainSource : public ByteSource {
   std::int64_t m_offset;
 };
 
-/// How many decoded bytes `available` bytes can give at most.
+/// Number of decoded bytes that `available` bytes can give at most.
 double most_decoded(double available, const ByteRange& range) {
   switch (range.compression) {
     case Compression::none:

@@ -17,7 +17,7 @@ class InputFile {
 
   const std::string& path() const { return m_path; }
   std::int64_t size() const { return m_size; }
-  /// Up to `size` bytes from `offset` on; fewer only at the end of the file.
+  /// Reads up to `size` bytes from `offset` on; fewer only at the end of the file.
   std::size_t read_at(std::int64_t offset, void* out, std::size_t size) const;
   /// The first bytes of the file, at most `limit`.
   std::string head(std::size_t limit) const;

@@ -24,7 +24,7 @@ class OutputFile {
   /// Brings the closed file to disk, then to its final name.
   void commit() { m_file.commit(); }
 
-  /// For libraries that write by themselves, instead of write().
+  /// The temporary path, for libraries that write by themselves, instead of write().
   const std::string& temporary_path() const { return m_file.path(); }
   const std::string& final_path() const { return m_file.final_path(); }
 

@@ -18,7 +18,7 @@ constexpr std::size_t kMaxTextHeader = std::size_t(1) << 20;
 class LineReader {
  public:
   explicit LineReader(const std::string& text) : m_text(text) {}
-  /// False at the end of the text; a last line without newline counts.
+  /// Takes the next line; false at the end. A last line without newline counts.
   bool next(std::string& line);
   /// Offset of the first byte behind the last line.
   std::size_t position() const { return m_position; }

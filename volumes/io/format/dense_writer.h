@@ -59,7 +59,7 @@ class DenseWriter {
   /// Does what remains after the last slice and may take long, such as compressing values that had
   /// to be put in order first. Throws Cancelled. commit() does it where the caller has not.
   virtual void complete(Progress* progress) { static_cast<void>(progress); }
-  /// After the last slice: completes the files and gives them their names.
+  /// Completes the files after the last slice, and gives them their names.
   virtual void commit() = 0;
   /// Properties that the format could not keep, known after commit(): each a line without the
   /// file's name.

@@ -43,7 +43,7 @@ int chosen_frame(const ReadOptions& options, std::int64_t count, const std::stri
 /// A file's own voxel size along one axis; 1 where that is no length and `options` replace it.
 double own_spacing(double spacing, const ReadOptions& options);
 
-/// One component of a file of several, as scalars.
+/// Opens one component of a file of several, as scalars.
 std::unique_ptr<VolumeFile> open_channel(std::unique_ptr<VolumeFile> file, int channel);
 
 /// True when the bytes (348 or more of them) are a NIfTI header.

@@ -37,7 +37,7 @@ class SlabReader {
   /// `hash`, where given, is fed the stored values.
   explicit SlabReader(VolumeFile& file, Progress* progress = nullptr, Sha256* hash = nullptr);
 
-  /// False when all slabs were read. The slab's memory is used again.
+  /// Reads the next slab, into the same memory again; false when all slabs were read.
   bool next(Slab& slab);
 
   VolumeStatistics statistics() const;

@@ -96,7 +96,7 @@ void VtkNumbers::skip(std::size_t count, VtkType type) {
   m_words.skip_bytes(count * type.bytes);
 }
 
-/// One a line, or each behind its length: the two highest bits say how many bytes that takes.
+/// Skips strings, one a line, or each behind its length: the two highest bits tell its bytes.
 void VtkNumbers::skip_strings(std::size_t count) {
   require(count, kByte);
   for (std::size_t n = 0; n < count; ++n) {

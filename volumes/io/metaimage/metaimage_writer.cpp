@@ -9,7 +9,7 @@ namespace supple {
 
 namespace {
 
-// In the order of ValueType.
+// Names in the order of ValueType.
 constexpr std::array<const char*, 10> kTypeNames = {
     "MET_CHAR", "MET_UCHAR",     "MET_SHORT",      "MET_USHORT", "MET_INT",
     "MET_UINT", "MET_LONG_LONG", "MET_ULONG_LONG", "MET_FLOAT",  "MET_DOUBLE"};

@@ -80,7 +80,7 @@ Geometry spacing_geometry(const std::string& path, const nifti_2_header& header,
   return from_ras(path, header, dims, affine);
 }
 
-/// How far apart the two put the same corner of the box, at most, in voxels of `a`.
+/// Distance at which the two put the same corner of the box, at most, in voxels of `a`.
 double corner_distance(const Geometry& a, const Geometry& b) {
   const Vec3d last = Vec3d(a.dims()) - Vec3d(1);
   double largest = 0;

@@ -27,7 +27,7 @@ struct NiftiHeader {
   std::int64_t size() const { return version == 1 ? 348 : 540; }
 };
 
-/// False when the bytes are no NIfTI header.
+/// Decodes a header; false when the bytes are no NIfTI header.
 bool decode_nifti(const std::string& head, NiftiHeader& header);
 /// The fixed fields as a file of our byte order has them: 348 or 540 bytes. NIfTI-1 rounds numbers
 /// to 32-bit floats.

@@ -26,7 +26,7 @@ namespace {
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
               "values are written as they lie in memory");
 
-// In the order of ValueType.
+// Codes in the order of ValueType.
 constexpr std::int16_t kDatatypes[] = {DT_INT8,   DT_UINT8, DT_INT16,  DT_UINT16,  DT_INT32,
                                        DT_UINT32, DT_INT64, DT_UINT64, DT_FLOAT32, DT_FLOAT64};
 

@@ -9,7 +9,7 @@ namespace supple {
 
 namespace {
 
-// In the order of ValueType.
+// Names in the order of ValueType.
 constexpr std::array<const char*, 10> kTypeNames = {
     "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float", "double"};
 

@@ -111,7 +111,7 @@ class OmeReader {
     }
   }
 
-  /// One UUID at most, and that of this file.
+  /// Throws unless there is one UUID at most, that of this file.
   void check_one_file() const {
     const std::string own = m_root.attribute("UUID").value();
     std::set<std::string> others;
@@ -175,7 +175,7 @@ class OmeReader {
     }
   }
 
-  /// In mm; micrometres where no unit is named, 1 mm where there is no size.
+  /// Spacing in mm; micrometres where no unit is named, 1 mm where there is no size.
   double spacing_of(char axis, TiffLayout& layout) const {
     const std::string name = std::string("PhysicalSize") + axis;
     const HeaderField field{m_pages.file().path(), "OME " + name,

@@ -29,9 +29,9 @@ class FileBuffer : public std::streambuf {
   std::vector<char> m_bytes;
 };
 
-/// In place of grid.readBuffers(in), for a grid whose topology was read from `in`, a stream of the
-/// newest format over `file`. False, and nothing is read, for types of grids that Supple does not
-/// write large. Throws what the first leaf that fails does.
+/// Reads leaves, in place of grid.readBuffers(in), of a grid whose topology was read from `in`, a
+/// stream of the newest format over `file`. False, and nothing is read, for types of grids that
+/// Supple does not write large. Throws what the first leaf that fails does.
 bool read_leaf_ranges(openvdb::GridBase& grid, std::istream& in, const InputFile& file);
 
 }  // namespace supple

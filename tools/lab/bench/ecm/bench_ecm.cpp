@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kMultisetMemory = std::int64_t(16) << 30;
 
-/// Empty when there is no head CT to measure.
+/// Limits of a case: its rounds, and the size below which multiset rows repeat.
 EcmCaseLimits limits_of(bool quick) {
   EcmCaseLimits limits;
   limits.rounds = quick ? RoundLimits{3, 25, 250} : RoundLimits{5, 100, 2000};

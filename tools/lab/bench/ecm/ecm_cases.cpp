@@ -71,7 +71,7 @@ std::vector<BenchRow> measure_motion(const EcmWorkload& workload, MeasuredBody& 
   return rows;
 }
 
-/// How many times `supple` is faster than the other sides with one thread.
+/// Adds how many times `supple` is faster than the other sides with one thread.
 void add_speedups(std::vector<BenchRow>& rows) {
   for (BenchRow& row : rows) {
     if (row["engine"] != "supple") continue;

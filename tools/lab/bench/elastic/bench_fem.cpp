@@ -20,7 +20,7 @@ namespace supple::tools {
 
 namespace {
 
-/// Far more than any row that converges needs.
+/// Number of iterations far above that of any row that converges.
 constexpr int kMostIterations = 1000;
 /// The memory that a solve is sure to stay below, per element: the own solver and others.
 constexpr std::int64_t kBytesPerElement = 400, kPeerBytesPerElement = 30000;
@@ -254,7 +254,7 @@ BenchRow measure_solve(const FemBenchRow& row, const FemBenchOptions& options,
   return fields;
 }
 
-/// False, with a note, for a cube that the memory at hand does not hold.
+/// True if the memory at hand holds the row's cube; adds a note if it does not.
 bool has_memory_for(const FemBenchRow& row, Console& console) {
   const std::int64_t size = row.subject.size;
   const std::int64_t each =

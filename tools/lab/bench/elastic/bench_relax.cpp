@@ -15,7 +15,7 @@ namespace supple::tools {
 
 namespace {
 
-/// Empty when there is no head CT to measure.
+/// Rows that the options choose. `head`: empty when there is no head CT to measure.
 std::vector<RelaxRow> checked_rows(const RelaxBenchOptions& options, const std::string& head) {
   std::vector<RelaxRow> plan =
       plan_relax({options.quick, options.threads, !head.empty(), options.only});

@@ -21,7 +21,7 @@ struct SpringsWorkload {
   std::vector<std::string> integrators;
 };
 
-/// One membrane on its way.
+/// A membrane that moves, with what it has measured.
 struct MovingMembrane {
   std::string name;
   SpringSystem system;

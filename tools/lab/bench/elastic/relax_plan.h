@@ -35,7 +35,7 @@ struct RelaxPlanOptions {
   std::vector<std::string> only;  // patterns; empty: every row
 };
 
-/// Empty when `only` leaves none.
+/// Rows that the options choose; empty when `only` leaves none.
 std::vector<RelaxRow> plan_relax(const RelaxPlanOptions& options);
 
 }  // namespace supple::tools

@@ -114,7 +114,7 @@ std::vector<BenchRow> update_rows(const InvertWorkload& workload, bool quick, Co
   return measure_update(workload.size, kDraggedElements, threads, quick ? 10 : 40, console);
 }
 
-/// One inversion by one of our own methods.
+/// Makes one inversion by one of our own methods.
 void run_method(const std::string& method, const Displacement& displacement, InvertResult& result,
                 Times& times) {
   result.field = {};

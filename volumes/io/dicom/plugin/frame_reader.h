@@ -21,7 +21,7 @@ PixelPlace check_pixels(const DicomFile& file, const PixelFormat& format, int fr
 
 class FrameReader {
  public:
-  /// One frame as it is stored, in native byte order, unpacked (unpack_stored_bits). Throws
+  /// Reads one frame as it is stored, in native byte order, unpacked (unpack_stored_bits). Throws
   /// InputError when the data end early or cannot be decoded.
   void read(const DicomImage& image, int frame, void* out);
 

@@ -138,7 +138,7 @@ class StackBuilder {
          "even ones, or few slices missing");
   }
 
-  /// From the first slice to the last; along the normal unless they are seen to be offset.
+  /// Finds the step from first to last slice, along the normal unless slices are seen to be offset.
   void find_step() {
     const Vec3d path = m_planes.back().plane->position - m_stack.origin;
     const double along = path.dot(m_normal);

@@ -26,7 +26,7 @@ class Hdf5Handle {
 
   hid_t get() const { return m_id; }
   bool is_open() const { return m_id >= 0; }
-  /// False when the library reports a failure, as of a flush to a full disk.
+  /// Closes it; false when the library reports a failure, as of a flush to a full disk.
   bool close();
 
  private:
@@ -71,7 +71,7 @@ class Hdf5File {
   /// Throws InputError with the reason of the library's last failure.
   [[noreturn]] void fail_library(const std::string& field) const;
 
-  /// False also for a link that leads nowhere.
+  /// True if the object is there; false also for a link that leads nowhere.
   bool has(const std::string& object) const;
   /// A group or dataset. Throws InputError also for a link out of the file.
   Hdf5Handle open(const std::string& object) const;

@@ -21,7 +21,7 @@ using hdf5::Hdf5Handle;
 constexpr hsize_t kMaxChunkBytes = hsize_t(64) << 20;
 constexpr unsigned kDeflateLevel = 6;
 
-// In the order of ValueType, as itk::ImageIOBase names them.
+// Names in the order of ValueType, as itk::ImageIOBase has them.
 constexpr const char* kItkTypes[] = {"CHAR", "UCHAR", "SHORT", "USHORT", "INT",
                                      "UINT", "LONG",  "ULONG", "FLOAT",  "DOUBLE"};
 
