@@ -75,8 +75,8 @@ void add_body_options(CLI::App& app, BodyOptions& options) {
       ->option_text("M.toml|NAME");
   app.add_option(
          "--labels", options.labels,
-         "Label volume on the same grid: for [label.N] of the material, and label:N below; N is a "
-         "number, or the name of a segment")
+         "Label volume on the same grid: for [label.N] of the material, and label:N below, a "
+         "number or a segment's name")
       ->option_text("FILE");
   app.add_option("--fix", options.fixes, "What stays where it is, as --grab of deform names it")
       ->allow_extra_args(false)

@@ -14,7 +14,7 @@ namespace supple {
 
 namespace {
 
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using TurnMatrix = Eigen::Matrix<double, 6, 6>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
 /// What is added to the scaled matrix, and the part of a random vector that tells a motion.
@@ -85,7 +85,7 @@ class PieceMotions {
       : m_positions(node_positions(mesh)), m_pieces(pieces) {
     number_pieces();
     const bool is_free = std::all_of(held.begin(), held.end(), [](auto bits) { return bits == 0; });
-    m_own.assign(m_centre.size(), Matrix6::Zero());
+    m_own.assign(m_centre.size(), TurnMatrix::Zero());
     for (const NodeOfPiece& at : pieces.further) {
       tie(at.node, m_number[std::size_t(first_of(at.node))], m_number[std::size_t(at.piece)]);
     }
@@ -134,7 +134,7 @@ class PieceMotions {
     const Matrix36 of_a = motion_at(node, a), of_b = motion_at(node, b);
     m_own[std::size_t(a)] += of_a.transpose() * of_a;
     m_own[std::size_t(b)] += of_b.transpose() * of_b;
-    const Matrix6 between = -of_a.transpose() * of_b;
+    const TurnMatrix between = -of_a.transpose() * of_b;
     for (int n = 0; n < 6; ++n) {
       for (int m = 0; m < 6; ++m) m_entries.emplace_back(6 * a + n, 6 * b + m, between(n, m));
     }
@@ -161,7 +161,7 @@ class PieceMotions {
       if (best < 0 || elements(std::int32_t(n)) > elements(best)) best = std::int32_t(n);
     }
     for (const std::int32_t best : largest) {
-      if (best >= 0) m_own[std::size_t(best)] += Matrix6::Identity();
+      if (best >= 0) m_own[std::size_t(best)] += TurnMatrix::Identity();
     }
   }
 
@@ -170,7 +170,7 @@ class PieceMotions {
   std::vector<std::int32_t> m_number;  // per piece of the body: its number here, or -1
   std::vector<std::int32_t> m_piece;   // and back
   std::vector<Vec3d> m_centre;         // about which it turns
-  std::vector<Matrix6> m_own;
+  std::vector<TurnMatrix> m_own;
   std::vector<Eigen::Triplet<double>> m_entries;  // between pieces
   std::vector<std::array<std::int32_t, 2>> m_joins;
 };
