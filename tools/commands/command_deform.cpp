@@ -280,9 +280,8 @@ Command add_deform(CLI::App& program) {
       ->allow_extra_args(false)
       ->option_text("I,J,K[:I,J,K]|ball:PLACE:R|density:LO:HI|piece:PLACE|label:N|FILE.csv|TABLE");
   app->add_option("--by", options->bys,
-                  "How far, in mm along the grid axes, or in the frame of a place with lps: or "
-                  "ras:; one per "
-                  "--grab, in order, but none for a file with dx,dy,dz, or a table with a motion")
+                  "How far, in mm along the grid axes, or with lps: or ras: in that frame; one per "
+                  "--grab but those that say how they move")
       ->allow_extra_args(false)
       ->option_text("DX,DY,DZ");
   app->add_option("--retract", options->retractions, "Push lips of a cut apart, as in scenes")
