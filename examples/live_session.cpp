@@ -7,8 +7,6 @@
 #include <supple/volumes/base/json.h>
 #include <supple/volumes/base/table.h>
 
-#include "volumes/base/json.h"
-
 int main(int argc, char** argv) try {
   if (argc != 2) return std::fprintf(stderr, "usage: live_session JOURNAL\n"), 2;
   // [session]

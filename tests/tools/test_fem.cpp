@@ -286,7 +286,7 @@ TEST_F(UnitFemScene, ConventionsOfBoneLaboratoriesAreKeysAndOptions) {
     const Outcome refused =
         run_supple({"run", scene(std::string(key) + " = \"half\""), "-o", m_folder / ""});
     EXPECT_EQ(refused.exit_code, 3);
-    EXPECT_NE(refused.err.find("fem." + std::string(key) + ": found 'half', expected "),
+    EXPECT_NE(refused.err.find("fem." + std::string(key) + ": found \"half\", expected "),
               std::string::npos)
         << refused.err;
   }

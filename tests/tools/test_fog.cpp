@@ -117,6 +117,20 @@ TEST_F(InteropFog, AStateHasTheVelocityOfItsDisplacement) {
   EXPECT_EQ(said["v"]["first"], said["density"]["first"]);
 }
 
+TEST_F(FaultFog, VoxelsThatOpenVdbTakesForNothingAreRefused) {
+  const Geometry micro({4, 4, 4}, {0, 0, 0}, {Vec3d(0.01, 0, 0), {0, 0.01, 0}, {0, 0, 0.01}});
+  write_volume(m_folder / "micro.nrrd", micro, ValueType::uint8,
+               [](int, float* out) { std::fill_n(out, 16, 7.0f); });
+  expect_refused({"convert", m_folder / "micro.nrrd", m_folder / "m.vdb", "--range", "0,9",
+                  "--scale", "0.001"},
+                 3, "scale: found 0.001, voxels of 1e-05, expected at least 0.00144");
+  EXPECT_FALSE(std::filesystem::exists(m_folder / "m.vdb"));
+  EXPECT_EQ(run_supple({"convert", m_folder / "micro.nrrd", m_folder / "m.vdb", "--range", "0,9",
+                        "--scale", "0.002"})
+                .exit_code,
+            0);
+}
+
 TEST_F(FaultFog, OtherFormatsAndStatesSayWhatTheyCannotHold) {
   const std::string head = m_folder / "head.nrrd", out = m_folder / "a.nrrd";
   expect_refused({"convert", head, out, "--range", "0,1000"}, 3, "range: found .nrrd");

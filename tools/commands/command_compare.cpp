@@ -350,8 +350,7 @@ Command add_compare(CLI::App& program) {
       "Measure how different two PNG pictures are (exit 1 over a limit), or two warps, label "
       "volumes "
       "or lists of points",
-      "  supple compare new.png reference.png --max-rmse 1e-3 --min-ssim 0.999\n"
-      "  supple compare a.png b.png --mask foreground --diff difference.png --json\n"
+      "  supple compare a.png b.png --max-rmse 1e-3 --mask foreground --diff difference.png\n"
       "  supple compare truth.nrrd 1Warp.nii.gz --mask lung.nii.gz --points landmarks.csv\n"
       "  supple compare found.nii.gz drawn.nii.gz");
   app->add_option("a", options->a, "A PNG file, warp, label volume or list of points")

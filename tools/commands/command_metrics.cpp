@@ -225,7 +225,6 @@ Command add_metrics(CLI::App& program) {
   CLI::App* app = add_subcommand(
       program, "metrics",
       "Displacement, Jacobian, folds, volume change and bending of a deformed body or a warp",
-      "  supple metrics drag.vdb\n"
       "  supple metrics 1Warp.nii.gz --mask lung.nii.gz\n"
       "  supple metrics drag.vdb --labels organs.nrrd --json\n"
       "  supple metrics drag.vdb --jacobian det_f.nrrd --displacement length.nrrd");

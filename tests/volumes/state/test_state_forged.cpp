@@ -259,8 +259,10 @@ TEST_F(FaultForgedState, MetadataMustBeWholeAndValid) {
     EXPECT_NE(read_error(), "") << bad;
   }
   forge("supple_anchors", "[]");
+  forge("supple_format", "state 3");
+  expect_error("format: found state 3, expected state 1 or state 2");
   forge("supple_format", "state 2");
-  expect_error("format: found state 2, expected state 1");
+  expect_error("supple_source: found nothing");
   m_parts.metadata->removeMeta("supple_format");
   expect_error("supple_format: found nothing");
 }

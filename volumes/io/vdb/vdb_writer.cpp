@@ -9,11 +9,14 @@
 // OpenVDB programs expect floats: numbers that no float holds are rounded and counted.
 // Cost: the bricks that are not uniform, 4 or 12 bytes per voxel, and a slab of eight slices.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <optional>
 #include <type_traits>
 
+#include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/io/bytes/value_type.h"
 #include "volumes/io/format/dense_writer.h"
@@ -23,6 +26,8 @@
 namespace supple {
 
 namespace {
+
+constexpr double kLeastVoxelVolume = 3e-15;  // openvdb/math/Maps.h
 
 template <class Grid>
 class VdbWriter : public DenseWriter {
@@ -37,6 +42,7 @@ class VdbWriter : public DenseWriter {
         m_options(options),
         m_is_flipped(options.range && image.geometry.determinant() < 0) {
     if (m_is_flipped) m_image.geometry = flipped(image.geometry);
+    require_large_voxels(path);
   }
 
   void write_slice(const void* values) override {
@@ -76,6 +82,16 @@ class VdbWriter : public DenseWriter {
   }
 
  private:
+  /// OpenVDB has no map from voxels to smaller ones: their volume counts as none.
+  void require_large_voxels(const std::string& path) const {
+    const double volume = std::abs(scene_geometry().determinant()), edge = std::cbrt(volume);
+    if (m_options.scale == 1 || volume > kLeastVoxelVolume) return;
+    const double least = m_options.scale * std::cbrt(kLeastVoxelVolume) / edge;
+    throw InputError({path, "scale",
+                      number_text(m_options.scale) + ", voxels of " + number_text(edge),
+                      "at least " + number_text(least) + " for this volume, a limit of OpenVDB"});
+  }
+
   /// Bricks in a row along i, each of one value.
   struct Uniform {
     Vec3i origin;
