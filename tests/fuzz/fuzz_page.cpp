@@ -14,7 +14,7 @@ void take_message(std::string_view text) {
   const PageMessage message = parse_page_message(text);
   if (message.verb == "event") {
     event_of(message, {}, folders);
-  } else if (message.value.is_object()) {
+  } else if (message.value.is_table()) {
     table_of(message);
   }
 }
