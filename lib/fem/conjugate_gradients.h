@@ -19,7 +19,7 @@
 
 namespace supple {
 
-/// Where iterations end.
+/// Limits at which the iterations end.
 struct CgLimits {
   double tolerance = 1e-6;  // of ResidualSize
   double reaction_tolerance = 1e-5;

@@ -42,8 +42,8 @@ inline ElasticModuli elastic_moduli(double young_kpa, double poisson) {
   return {young_kpa / (2 * (1 + poisson)), young_kpa / (3 * (1 - 2 * poisson))};
 }
 
-/// Per class: shear and bulk modulus in kPa, and inertia, which is what a matrix c M beside the
-/// stiffness has per volume, in mN/mm^4 (kPa/mm^2); 0 where K stands alone.
+/// Moduli per class: shear and bulk modulus in kPa, and inertia, which is what a matrix c M beside
+/// the stiffness has per volume, in mN/mm^4 (kPa/mm^2); 0 where K stands alone.
 template <class T>
 struct ModuliTable {
   std::array<T, 256> shear, bulk;

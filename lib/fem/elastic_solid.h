@@ -13,7 +13,7 @@
 
 namespace supple {
 
-/// What becomes of islands: pieces of the body whose rigid motions nothing prevents.
+/// Treatment of islands: pieces of the body whose rigid motions nothing prevents.
 enum class LooseIslands {
   hold,   // their nodes stay where they are, and what acts on them is carried by what holds them
   refuse  // an error
@@ -37,7 +37,7 @@ class ElasticSolid {
 
   virtual std::int64_t element_count() const = 0;
   virtual std::int64_t node_count() const = 0;
-  /// At rest, LPS mm: of all nodes, or of these alone, which ascend.
+  /// Positions at rest in LPS mm of all nodes, or of these alone, which ascend.
   virtual std::vector<Vec3d> node_positions() const = 0;
   virtual std::vector<Vec3d> node_positions(const std::vector<NodeIndex>& nodes) const = 0;
   virtual NodePieces node_pieces() const = 0;

@@ -7,7 +7,7 @@
 
 namespace supple {
 
-/// By the angle of the cubic's trigonometric solution (Smith 1961).
+/// Solves the cubic by the angle of its trigonometric solution (Smith 1961).
 std::array<double, 3> eigenvalues(const SymmetricTensor& t) {
   const double mean = trace(t) / 3;
   const double a = t[0] - mean, b = t[1] - mean, c = t[2] - mean;

@@ -58,7 +58,7 @@ struct LargestMotion {
   Vec3i turned{0, 0, 0}, strained{0, 0, 0};  // voxels of the mesh
   std::int64_t beyond = 0;
 
-  /// Over both sets of elements, or both times; of equal ones the first.
+  /// Takes the larger one of two sets of elements, or of two times; of equal ones the first.
   void take(const LargestMotion& other);
 };
 

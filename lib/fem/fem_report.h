@@ -1,4 +1,4 @@
-// What a solution by finite elements is asked for, and what it tells of itself.
+// Parameters of a solution by finite elements, and the report that it gives of itself.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ constexpr int kMostDoublings = 3;
 /// conjugate gradients with incomplete Cholesky factors, or DOLFINx with algebraic multigrid.
 enum class EquationSolver { multigrid, calculix, calculix_iterative, dolfinx };
 
-/// What a solution is for: numbers, to the rounding of states; or a picture, whose errors lie far
+/// Purpose of a solution: numbers, to the rounding of states; or a picture, whose errors lie far
 /// below a pixel. A picture goes on from an earlier equilibrium of the body where there is one.
 enum class FemAccuracy { exact, picture };
 constexpr double kPictureTolerance = 0.1;  // of residual and reactions

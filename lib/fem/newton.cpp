@@ -12,11 +12,11 @@ namespace {
 /// Equilibrium on the way only leads to the next one.
 constexpr double kToleranceOnTheWay = 1e-3;
 constexpr double kPredictorTolerance = 1e-3;
-/// Of the residual: linear systems are solved no worse than this.
+/// Part of the residual that linear systems leave at most.
 constexpr double kLargestForcing = 0.1;
 constexpr double kToleranceLeft = 0.1;
 constexpr int kMostCorrections = 12;
-/// After at most so many corrections a step was easy.
+/// A step was easy after at most this many corrections.
 constexpr int kEasyCorrections = 4;
 constexpr double kShortestStep = 1e-3;
 /// No step may turn an element, as seen from where it starts, by more.
@@ -24,8 +24,8 @@ constexpr double kLargestTurnDeg = 30;
 /// No step may shrink det F of an element to less than this part of the smallest one.
 constexpr double kLeastShrinkage = 0.3;
 constexpr int kMostHalvings = 6;
-// Of the line search: Armijo's condition; the slope that is small enough where the energy changes
-// by rounding alone (Hager and Zhang 2005).
+// Limits of the line search: Armijo's condition; the slope that is small enough where the energy
+// changes by rounding alone (Hager and Zhang 2005).
 constexpr double kArmijo = 1e-4;
 constexpr double kSlopeLeft = 0.5;
 constexpr double kEnergyRounding = 1e-10;
@@ -79,8 +79,8 @@ std::vector<double> Newton::solve_tangent(const CgLimits& limits, Progress* prog
   return solver.take_u();
 }
 
-/// From equilibrium at m_part towards that at `part`, which becomes less where the whole way would
-/// turn or shrink an element too much.
+/// Goes from equilibrium at m_part towards that at `part`, which becomes less where the whole way
+/// would turn or shrink an element too much.
 bool Newton::predict(double& part, Progress* progress) {
   m_system_loads.force_mn = m_r;
   if (!m_whole_mn.empty()) add_to(m_system_loads.force_mn, part - m_part, m_whole_mn);

@@ -1,4 +1,4 @@
-// What Newton's method (newton.h) tells of its steps.
+// Report of Newton's method (newton.h) on its steps.
 #pragma once
 
 #include <vector>

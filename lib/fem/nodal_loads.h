@@ -34,13 +34,13 @@ struct NodalLoads {
   /// lip that is led away.
   std::vector<double> within_held_mn;
 
-  /// Of the n-th node of nodes_of[of].
+  /// Share of the n-th node of nodes_of[of]; 1 where none is given.
   double share(std::size_t of, std::size_t n) const {
     return of >= shares_of.size() || shares_of[of].empty() ? 1 : shares_of[of][n];
   }
 };
 
-/// How loads grow from nothing to the whole, for problems that are solved in steps: forces in
+/// Growth of loads from nothing to the whole, for problems that are solved in steps: forces in
 /// proportion; what is held goes along its rigid motion, so that a turn stays one on the way.
 class LoadPath {
  public:

@@ -1,6 +1,6 @@
-// What the solvers ask of a mesh of elements, whatever these are: products with symmetric matrices
-// between nodes, three values per node, and a preconditioner. A call is for all nodes at once, so
-// that its cost does not count beside the product.
+// Interface of the solvers to a mesh of elements, whatever these are: products with symmetric
+// matrices between nodes, three values per node, and a preconditioner. A call is for all nodes at
+// once, so that its cost does not count beside the product.
 #pragma once
 
 #include <cstddef>

@@ -8,7 +8,7 @@ namespace supple {
 
 namespace {
 
-/// Of single nodes, by ranges.
+/// Norms over single nodes, found by ranges.
 struct NodeNorms {
   double largest_free = 0, largest_held = 0, squares = 0;
   double free_lengths = 0, held_lengths = 0;

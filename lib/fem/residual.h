@@ -1,5 +1,5 @@
-// What a residual r = f - K(u) says: how large it is, and by how much reactions changed since the
-// last one. Where a node is held, r is minus the force of what holds it.
+// Size of a residual r = f - K(u), and the change of reactions since the last one. Where a node is
+// held, r is minus the force of what holds it.
 //
 // A body that follows its handle as a whole ends without forces but for rounding, to which no
 // residual is small. Forces therefore count at least kLeastForce of the largest that there has
@@ -22,7 +22,7 @@ constexpr double kLeastForce = 1e-9, kRoundingForce = 2e-15;
 struct ResidualSize {
   double max = 0, rms = 0;  // over nodes, relative to the largest nodal force
   double largest_mn = 0;    // the largest of a node
-  /// Of loads and reactions but for forces within what is held, at least kLeastForce of seen_mn.
+  /// Largest load or reaction but for forces within what is held, at least kLeastForce of seen_mn.
   double largest_force_mn = 0;
   double seen_mn = 0;          // the largest force of a node that there has been, held or free
   double reaction_change = 0;  // relative to the largest reaction, since the last one
@@ -37,8 +37,8 @@ struct ResidualSize {
   }
 };
 
-/// How much of the way to these limits the residual has come, 0 to 1: the decades that are done, of
-/// the measure that has most of them left.
+/// Part of the way to these limits that the residual has come, 0 to 1: the decades that are done,
+/// of the measure that has most of them left.
 double part_of_way(const ResidualSize& size, double tolerance, double reaction_tolerance);
 
 /// r = f.

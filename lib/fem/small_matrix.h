@@ -21,7 +21,7 @@ inline Matrix9 cofactors(const Matrix9& a) {
   return out;
 }
 
-/// By the cofactors of the first row.
+/// Expands the determinant by the cofactors of the first row.
 inline double determinant_of(const Matrix9& a, const Matrix9& cofactor) {
   return a[0] * cofactor[0] + a[1] * cofactor[1] + a[2] * cofactor[2];
 }

@@ -16,10 +16,10 @@ namespace supple {
 
 namespace {
 
-/// Of the forces that a solution leaves, of the largest. Vectors of Lanczos are no more exact.
+/// Part of the largest force that a solution may leave. Lanczos' vectors are no more exact.
 constexpr double kSolveTolerance = 1e-9;
-/// Of a Ritz vector, of its eigenvalue; and where only the eigenvalue is asked for, whose error is
-/// the square.
+/// Error of a Ritz vector, relative to its eigenvalue; the second one where only the eigenvalue is
+/// asked for, whose error is the square.
 constexpr double kLanczosTolerance = 1e-9, kCheckTolerance = 1e-3;
 constexpr int kMaxRestarts = 300;
 constexpr Eigen::Index kLeastVectors = 20, kCheckVectors = 10;
@@ -65,7 +65,7 @@ class FreeMass {
   const HeldBits* m_held;
 };
 
-/// What the modes of a body are computed with.
+/// A body whose modes are computed, with its masses and its equations.
 struct Vibration {
   const ElasticSolid& solid;
   HeldBits held;

@@ -14,7 +14,7 @@ namespace {
 constexpr double kWholeTurn = 2 * kPi;
 /// Reactions do not count beside the residual.
 constexpr double kAnyChange = 1e300;
-/// Of the forces that the first acceleration leaves.
+/// Part of the largest force that the first acceleration may leave.
 constexpr double kStartTolerance = 1e-10;
 
 /// M with the inverse of its diagonal as preconditioner, whose condition does not depend on the
@@ -212,7 +212,7 @@ void Newmark::step(const WayPart& way, const Progress* progress) {
   ++m_step;
 }
 
-/// By means over the step, which are exact for average acceleration.
+/// Adds energies by means over the step, which are exact for average acceleration.
 void Newmark::count_energy(const std::vector<double>& u_before, const std::vector<double>& v_before,
                            const std::vector<double>& reaction_before) {
   const bool has_forces = !m_loads.force_mn.empty();

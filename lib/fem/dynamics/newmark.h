@@ -41,7 +41,7 @@ struct RayleighDamping {
 
 struct NewmarkParams {
   double step_s = 1e-3;
-  /// Of each system: the largest force that is left on a node, of the largest there is.
+  /// Largest force that each system may leave on a node, relative to the largest there is.
   double tolerance = 1e-7;
   int max_iterations = 400;
 
@@ -49,13 +49,13 @@ struct NewmarkParams {
   void validate() const;
 };
 
-/// In mJ. `work` is that of loads and of what is held, `dissipated` what damping took, since the
-/// motion began.
+/// Energies in mJ. `work` is that of loads and of what is held, `dissipated` what damping took,
+/// since the motion began.
 struct MotionEnergy {
   double elastic_mj = 0, kinetic_mj = 0, work_mj = 0, dissipated_mj = 0;
 };
 
-/// How far along its way something is, from 0 to 1, and the derivatives of that by time.
+/// Part of its way that something has come, 0 to 1, and the derivatives of that by time.
 struct WayPart {
   double part = 1, per_s = 0, per_s2 = 0;
 };
@@ -71,8 +71,8 @@ class Newmark {
   Newmark(const ElasticSolid& solid, const MassDensities& density, const RayleighDamping& damping,
           NodalLoads loads, const NewmarkParams& params, Progress* progress = nullptr);
 
-  /// At these displacements and velocities, three per node, with the acceleration that the forces
-  /// give. Held components are where `u_mm` has them, and at rest. Throws NotConverged, Cancelled.
+  /// Starts at these displacements and velocities, three per node, with the forces' acceleration.
+  /// Held components are where `u_mm` has them, and at rest. Throws NotConverged, Cancelled.
   void start(std::vector<double> u_mm, std::vector<double> v_mm_s, Progress* progress = nullptr);
   /// One step, at whose end what is held has come `way` along. Throws NotConverged, Cancelled; the
   /// motion is then where it was before.

@@ -44,7 +44,7 @@ Vec3d RigidMotions::motion_at(std::size_t node, const Coefficients& of) const {
   return Vec3d(of[0], of[1], of[2]) + Vec3d(of[3], of[4], of[5]).cross(arm);
 }
 
-/// Of every piece's motions with a vector of forces, summed node by node.
+/// Returns products of every piece's motions with a vector of forces, summed node by node.
 std::vector<RigidMotions::Coefficients> RigidMotions::products_with(const double* force) const {
   std::vector<Coefficients> sums(m_pieces.size(), Coefficients::Zero());
   for (std::size_t n = 0; n < m_positions.size(); ++n) {

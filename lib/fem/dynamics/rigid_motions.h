@@ -12,10 +12,10 @@ namespace supple {
 
 class RigidMotions {
  public:
-  /// Of all pieces of the body. `mass` must outlive this.
+  /// Finds the motions of all pieces of the body. `mass` must outlive this.
   RigidMotions(const ElasticSolid& solid, const MassMatrix& mass);
 
-  /// Takes them out of x; `scratch` is used up.
+  /// Takes the rigid motions out of x; `scratch` is used up.
   void remove_from(double* x, std::vector<double>& scratch) const;
 
   std::int64_t count() const { return 6 * std::int64_t(m_pieces.size()); }

@@ -104,7 +104,7 @@ void CalculixSolver::write_body(std::FILE* out) const {
   std::fputs(materials.c_str(), out);
 }
 
-/// What holds nodes, what acts on them, and what is to be printed.
+/// Writes what holds nodes, what acts on them, and what is to be printed.
 void CalculixSolver::write_step(std::FILE* out) const {
   std::fprintf(out, "*STEP\n*STATIC%s\n*BOUNDARY\n",
                m_is_iterative ? ", SOLVER=ITERATIVE CHOLESKY" : "");

@@ -37,9 +37,9 @@ class PeerSolver {
   const std::vector<double>& u() const { return m_u; }
   std::vector<double> take_u() { return std::move(m_u); }
   const std::vector<double>& residual() const { return m_residual; }
-  /// Until the program, where it tells, was ready for the problem.
+  /// Time until the program, where it tells, was ready for the problem.
   double start_ms() const { return m_start_ms; }
-  /// Of the program, at its most.
+  /// Memory of the program at its most.
   std::size_t bytes() const { return m_bytes; }
 
  protected:

@@ -25,7 +25,7 @@ class BlockField {
         m_stride(m_tables.longest()),
         m_values(3 * m_stride) {}
 
-  /// From a vector of all nodes, three values each.
+  /// Loads the block from a vector of all nodes, three values each.
   template <class X>
   void load(std::int32_t block, const X* global) {
     const NodeIndex* nodes = table(block);
@@ -107,7 +107,7 @@ class BlockField {
   }
 
  private:
-  /// From the lowest corner of an element of the lattice to the others.
+  /// Steps from the lowest corner of an element of the lattice to its eight corners.
   static constexpr int kCornerStep[8] = {0,
                                          1,
                                          kLatticeDim,

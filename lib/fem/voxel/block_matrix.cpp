@@ -10,7 +10,7 @@ namespace supple {
 
 namespace {
 
-/// Which elements with a matrix have a node, as 8 element + corner.
+/// Elements with a matrix that have a node, as 8 element + corner.
 struct ElementsAround {
   std::vector<std::int64_t> begin;
   std::vector<std::int64_t> corner;

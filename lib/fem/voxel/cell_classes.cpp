@@ -17,7 +17,7 @@ GroupKind CellClasses::kind(std::size_t cell) const {
 
 namespace {
 
-/// Per class the first one with the same moduli: densities of one tissue have many classes.
+/// Finds per class the first with its moduli: densities of one tissue have many classes.
 std::array<std::uint8_t, 256> first_alike(const ModuliTable<double>& moduli) {
   std::array<std::uint8_t, 256> first;
   std::map<std::tuple<double, double, double>, std::uint8_t> known;

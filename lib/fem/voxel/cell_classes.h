@@ -1,5 +1,5 @@
-// What the cells of level 1 consist of: the classes of their up to eight voxels, classes of the
-// same moduli being one, and which corners of these are held.
+// Contents of the cells of level 1: the classes of their up to eight voxels, classes of the same
+// moduli being one, and which corners of these are held.
 #pragma once
 
 #include <array>

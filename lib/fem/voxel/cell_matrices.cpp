@@ -54,7 +54,7 @@ struct MatrixParts {
   }
 };
 
-/// Those of a voxel as seen from a cell that it is a child of.
+/// Matrices of a voxel as seen from a cell that it is a child of.
 struct ChildParts {
   MatrixParts own;
   std::vector<MatrixParts> of;

@@ -33,21 +33,21 @@ class SymmetricMatrix24 {
 /// Matrices of the elements of one mesh.
 class CellMatrices {
  public:
-  /// Of voxels, without the rows and columns of held components. Voxels that are held as a whole
-  /// have none, so that a million of them cost nothing.
+  /// Makes matrices of voxels, without the rows and columns of held components. Voxels that are
+  /// held as a whole have none, so that a million of them cost nothing.
   static CellMatrices of_voxels(const HexMesh& voxels, const VoxelMaterial& material,
                                 const HeldBits& held);
-  /// Of the cells of level 1.
+  /// Makes matrices of the cells of level 1.
   static CellMatrices of_cells(const CellClasses& cells, const VoxelMaterial& material);
-  /// Of the cells of level 2, straight from the voxels, 37,000 multiply-adds each.
+  /// Makes matrices of the cells of level 2 from the voxels, 37,000 multiply-adds each.
   static CellMatrices of_large_cells(const HexMesh& cells_mesh, const Coarsening& coarsening,
                                      const CellClasses& cells, const VoxelMaterial& material,
                                      std::int32_t count);
-  /// Of the next coarser mesh.
+  /// Makes matrices of the next coarser mesh.
   CellMatrices coarser(const HexMesh& mesh, const Coarsening& coarsening, std::int32_t count) const;
 
   bool has(std::size_t element) const { return m_place.empty() || m_place[element] >= 0; }
-  /// Of an element that has one.
+  /// Matrix of an element that has one.
   const SymmetricMatrix24& operator[](std::size_t element) const {
     return m_matrices[m_place.empty() ? element : std::size_t(m_place[element])];
   }

@@ -46,7 +46,7 @@ class ChebyshevSteps {
 template <class Subtract>
 double estimate_largest(const std::vector<ShortFloat>& inverse_diagonal, Subtract&& subtract) {
   constexpr int kLanczosSteps = 12;
-  /// In the norm of D: what is left is rounding.
+  /// Norm, that of D, at which Lanczos ends: what is left is rounding.
   constexpr double kLanczosEnd = 1e-5;
   /// Lanczos' values come from below.
   constexpr double kEigenvalueMargin = 1.1;

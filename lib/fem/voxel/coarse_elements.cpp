@@ -10,7 +10,7 @@ namespace {
 /// Single precision reaches no less before the residual is computed afresh. Once that is small
 /// enough a few steps more tell by how much reactions still change.
 constexpr double kLeastPart = 1e-5, kMostPart = 0.1;
-/// Of the tolerance.
+/// Part of the tolerance that is aimed at.
 constexpr double kMargin = 0.3;
 /// P^T r is rounded by this part of the largest nodal force: forces of the voxels do not vanish,
 /// only their sums do.

@@ -31,7 +31,7 @@ class CoarseElements {
   bool run(const Progress* progress, Progress* told = nullptr);
 
   int iterations() const { return m_iterations; }
-  /// Of the forces of coarse nodes.
+  /// Size of the residual by the forces of coarse nodes.
   const ResidualSize& size() const { return m_size; }
   const std::vector<double>& residual() const { return m_r; }
   const std::vector<double>& u() const { return m_u; }

@@ -45,7 +45,7 @@ void add_rows(const BlockElements& elements, ElementGroups& out) {
   }
 }
 
-/// Which rows of the lattice have nodes in sequence from their second one on.
+/// Notes which rows of the lattice have nodes in sequence from their second one on.
 void note_sequences(const NodeIndex* lattice, ElementGroups& out) {
   for (int row = 0; row < kLatticeRows; ++row) {
     const NodeIndex* nodes = lattice + kLatticeDim * row + 1;

@@ -38,14 +38,14 @@ constexpr std::uint8_t kListed = 255;
 struct ElementGroups {
   std::vector<ElementGroup> groups;
   std::vector<std::uint32_t> group_begin;  // per block, one more than blocks
-  /// Per block and row of its lattice: whether the nodes are in sequence, without the first of the
-  /// nine.
+  /// Flags per block and row of its lattice: 1 where the nodes are in sequence, without the first
+  /// of the nine.
   std::vector<std::uint8_t> in_sequence;
   std::vector<std::uint16_t> corners;  // of listed groups: [corner][lane], places in the table
   /// The element of every lane, -1 where there is none; kept while data of the kinds are filled in.
   std::vector<std::int32_t> element;
 
-  /// Whether test(place in the table of the block) for a corner of one of the group's elements.
+  /// True if test(place in the table of the block) holds for a corner of one of its elements.
   template <class Test>
   bool any_corner(const ElementGroup& group, Test&& test) const {
     for (int lane = 0; lane < kGroup; ++lane) {

@@ -32,7 +32,7 @@ using Matrix24 = std::array<std::array<double, 24>, 24>;
 using Vector24 = std::array<double, 24>;
 
 /// Modes in the order of the blocks: 1 | xi eta zeta | xi eta, xi zeta, eta zeta | xi eta zeta.
-/// As corner numbers: the bits are the coordinates that the mode's monomial has.
+/// They are corner numbers: the bits are the coordinates that the mode's monomial has.
 constexpr std::array<int, 8> kModes{0, 4, 2, 1, 6, 5, 3, 7};
 
 /// Parts in mm (per kPa and mm of displacement: mN).
@@ -61,7 +61,7 @@ Matrix24 on_parent(const Matrix24& child_matrix, int child);
 /// Weights of a parent's corners at point (i, j, k) of 0 ... 2 or 0 ... 4 steps along each edge.
 std::array<double, 8> corner_weights(const Vec3d& fraction);
 
-/// What the Gauss points of all voxels share (finite_kernel.h).
+/// Geometry that the Gauss points of all voxels share (finite_kernel.h).
 struct GaussGeometry {
   double slope[3][3];  // [axis][direction]: gradients of modes along the axes to LPS, 1/mm
   double volume_mm3;

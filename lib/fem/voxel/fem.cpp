@@ -59,7 +59,7 @@ FemModel::FemModel(const Body& body, const ElasticTable& elastic, const ElementC
 
 FemModel::~FemModel() = default;
 
-/// Those beside loose islands, which are held or refused as wholes.
+/// Finds hinged elements but for loose islands, which are held or refused as wholes.
 std::vector<bool> FemModel::hinged(const HeldBits& held) const {
   if (m_parts->touching.touching == Touching::apart) return {};
   HeldBits all_held = held;

@@ -64,7 +64,7 @@ class FemModel final : public ElasticSolid {
   const HexOperator& stiffness() const;
   /// The meshes of the multigrid cycle.
   const MeshLevels& levels() const;
-  /// Of these and of what they are made of.
+  /// Memory of the meshes and of what they are made of.
   std::size_t bytes() const override;
 
   std::int64_t element_count() const override { return mesh().element_count(); }

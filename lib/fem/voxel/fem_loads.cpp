@@ -74,7 +74,7 @@ void hold(const HexMesh& mesh, const HeldElements& held, NodalLoads& out) {
   std::vector<NodeIndex> nodes = nodes_of_elements(mesh, held.elements, held.holds_node);
   std::uint8_t bits = 0;
   for (int a = 0; a < 3; ++a) bits = std::uint8_t(bits | (held.axes[a] ? 1 << a : 0));
-  // What an earlier one holds already is not this one's.
+  // Nodes that an earlier load holds already are not this one's.
   nodes.erase(std::remove_if(nodes.begin(), nodes.end(),
                              [&](NodeIndex n) { return (out.held[n] & bits) != 0; }),
               nodes.end());

@@ -1,7 +1,7 @@
-// What acts on a body of voxels: prescribed displacements, forces, pressures and gravity, and the
-// nodal values that these become (nodal_loads.h). Forces of pressures are the integrals of the
-// shape functions, exact for the constant fields that they are; that of gravity is an eighth per
-// corner, likewise.
+// Loads on a body of voxels: prescribed displacements, forces, pressures and gravity, and the nodal
+// values that these become (nodal_loads.h). Forces of pressures are the integrals of the shape
+// functions, exact for the constant fields that they are; that of gravity is an eighth per corner,
+// likewise.
 #pragma once
 
 #include <array>
@@ -28,13 +28,13 @@ struct NodeGrip {
 /// Elements whose corners are prescribed a displacement, as a handle or an anchor does.
 struct HeldElements {
   SlotSet elements;
-  /// Of a node at rest at a position in LPS mm; null: none, that is an anchor.
+  /// Displacement of a node at rest at a position in LPS mm; null: none, that is an anchor.
   std::function<Vec3d(const Vec3d& rest_mm)> displacement_mm;
   /// The components of LPS that are prescribed; the others move freely.
   std::array<bool, 3> axes{true, true, true};
-  /// Which corners of the elements; null: all eight.
+  /// Chooses corners of the elements; null: all eight.
   std::function<bool(const Vec3d& rest_mm)> holds_node;
-  /// Instead of what stands above: these nodes of the elements, ascending, in all components.
+  /// Nodes of the elements that are held in all components, ascending, in place of the above.
   std::optional<std::vector<NodeGrip>> nodes = {};
 };
 
@@ -44,11 +44,11 @@ struct ForceOnElements {
   Vec3d force_n{0, 0, 0};  // in all, LPS
 };
 
-/// On faces of elements behind which there is no element, or a cut link.
+/// Pressure on faces of elements behind which there is no element, or a cut link.
 struct PressureOnFaces {
   SlotSet elements;
   double pressure_kpa = 0;  // pushes inwards when positive
-  /// Which faces, by their centre at rest and their outward unit normal, LPS; null: all.
+  /// Chooses faces by their centre at rest and their outward unit normal, LPS; null: all.
   std::function<bool(const Vec3d& centre_mm, const Vec3d& normal)> includes;
 };
 
@@ -67,7 +67,7 @@ struct FemLoads {
   Vec3d gravity_m_s2{0, 0, 0};  // LPS
   /// kg/m^3 per class; only with gravity.
   std::array<double, kLastClass + 1> mass_density{};
-  /// In mN/mm^3 at rest positions, LPS, by one point per node; null: none. For manufactured
+  /// Force in mN/mm^3 at rest positions, LPS, by one point per node; null: none. For manufactured
   /// solutions and fields of force.
   std::function<Vec3d(const Vec3d& rest_mm)> body_force;
 };

@@ -1,4 +1,4 @@
-// What a solution says of its voxels (element_state.h): displacement of centres, strain and stress.
+// Results at the voxels of a solution (element_state.h): displacement of centres, strain, stress.
 //
 // Strain is the symmetric gradient at the element's centre, which is also the mean gradient; there
 // the stresses of a trilinear element are most accurate. Under mean dilatation the pressure of

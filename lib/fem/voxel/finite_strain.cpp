@@ -81,7 +81,7 @@ StrainEnergy FiniteStrain::add_forces(const double* u, double* force) const {
           for (int lane = 0; lane < kGroup; ++lane) {
             if ((group.present >> lane & 1) == 0) continue;
             sum.energy_uj += energy[lane];
-            // Also where it is no number.
+            // A value that is no number is taken, too.
             if (!(smallest[lane] >= sum.smallest_j)) sum.smallest_j = smallest[lane];
           }
         }

@@ -55,7 +55,7 @@ class FiniteStrain {
   std::vector<double> m_swelling;  // per lane, or empty
 };
 
-/// Of one element: theta - 1, and the energy without that of a swelling, per volume at rest.
+/// Values of one element: theta - 1, and its energy per volume at rest without that of a swelling.
 struct ElementEnergy {
   double volume_change, density_kpa;
 };
@@ -67,8 +67,8 @@ ElementEnergy element_energy(const HexMesh& mesh, const VoxelMaterial& material,
 /// to place it is nearly so.
 class NodeTurns {
  public:
-  /// From the mean gradient of the elements around each node. Nodes of which a component is held
-  /// do not turn.
+  /// Finds turns by the mean gradient of the elements around each node. Nodes of which a component
+  /// is held do not turn.
   NodeTurns(const HexMesh& mesh, const VoxelMaterial& material, const HeldBits& held,
             const std::vector<double>& u_mm);
 

@@ -53,7 +53,7 @@ inline void add_points(const ElementLanes<T>& x, const ElementLanes<T>& y, const
   parts[2] += sign * __builtin_shufflevector(c, z, 0, 13, 2, 3, 14, 5, 6, 15);
 }
 
-/// What a group of elements is made of; no inertia where K stands alone.
+/// Material of a group of elements; no inertia where K stands alone.
 template <class T>
 struct LaneMaterial {
   ElementLanes<T> shear, bulk, inertia;
@@ -187,8 +187,8 @@ inline void apply_alike(const AlikeKernel<T>& kernel, const LaneMaterial<T>& of,
   from_modes(x);
 }
 
-/// What a mixed cell needs of its children: moduli, 0 where there is none, and held corners as bits
-/// 3 corner + component; null: none are held.
+/// Children of a mixed cell: moduli, 0 where there is none, and held corners as bits 3 corner +
+/// component; null: none are held.
 template <class T>
 struct ChildLanes {
   LaneMaterial<T> child[8];

@@ -376,7 +376,7 @@ HexMesh coarsen(const HexMesh& fine, Coarsening& coarsening, const StagePart& st
 MeshLevels::MeshLevels(HexMesh voxels, Progress* progress) {
   stage(progress, "making meshes");
   meshes.push_back(std::move(voxels));
-  // Of eight elements one is left.
+  // A coarser mesh has about one of eight elements.
   for (double left = 1; meshes.back().node_count() > kCoarsestNodes; left /= 8) {
     Coarsening coarsening;
     HexMesh coarse = coarsen(meshes.back(), coarsening, {progress, 1 - left, left * 7 / 8});

@@ -23,7 +23,7 @@ namespace supple {
 /// Corners of elements come as 32-bit numbers.
 constexpr std::int64_t kMostElements = std::int64_t(1) << 28;
 
-/// Ascending blocks of each colour.
+/// Blocks of each colour, ascending.
 using BlocksByColour = std::array<std::vector<std::int32_t>, 8>;
 
 struct HexMesh {
@@ -42,7 +42,7 @@ struct HexMesh {
   NodeTables tables;
   std::vector<std::int32_t> block_hint;  // per 64 elements: the block of the first of them
 
-  /// Of an element, or of one that is known to lie in this block, which is found sooner.
+  /// Corners of an element, or of one that is known to lie in this block, which is found sooner.
   Corners corners(std::int32_t element) const { return corners_in(block_of(element), element); }
   Corners corners_in(std::size_t block, std::int32_t element) const {
     return tables.corners(block, element, offset[std::size_t(element)]);
@@ -80,7 +80,7 @@ class OwnNodes {
   std::vector<std::pair<int, std::uint32_t>> m_nodes;  // place on the lattice, corner
 };
 
-/// How voxels that touch by an edge or a corner alone are joined.
+/// Rule by which voxels that touch by an edge or a corner alone are joined.
 struct TouchingRule {
   Touching touching = Touching::apart;
   std::vector<bool> apart = {};  // per element: apart even so; or empty
@@ -112,14 +112,14 @@ class Parents {
   std::vector<std::int32_t> m_far;
 };
 
-/// How the elements and nodes of a mesh lie in those of the next coarser one.
+/// Places of the elements and nodes of a mesh in those of the next coarser one.
 struct Coarsening {
   std::vector<std::int32_t> first_element;  // per block of the finer mesh: of its coarse block
   Parents parent;                           // coarse element, per element
   Parents node_parent;                      // per node: a coarse element around it
   std::vector<std::uint8_t> node_place;     // and where: 9 i + 3 j + k in half edges, each 0 ... 2
 
-  /// Of an element and of a node of a block, which is the one that owns it.
+  /// Parent of an element and of a node of a block, which is the one that owns the node.
   std::int32_t parent_of(std::size_t block, std::int32_t element) const {
     return parent(first_element[block], element);
   }

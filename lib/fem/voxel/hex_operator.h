@@ -31,9 +31,9 @@ struct GroupsAtNodes {
 
 class HexOperator final : public Operator {
  public:
-  /// Of the voxel mesh. Both must outlive this.
+  /// Makes the operator of the voxel mesh. Both must outlive this.
   HexOperator(const HexMesh& mesh, const VoxelMaterial& material);
-  /// Of the mesh that is one level coarser than the voxels'.
+  /// Makes that of the mesh that is one level coarser than the voxels'.
   HexOperator(const HexMesh& mesh, const CellClasses& cells, const VoxelMaterial& material);
 
   /// y += K x or y -= K x in the precision of y; three values per node.
@@ -62,7 +62,7 @@ class HexOperator final : public Operator {
   template <class T>
   ChildLanes<T> children_of(const ElementGroup& group) const;
   void group_diagonal(const ElementGroup& group, ElementLanes<float>* out) const;
-  /// Of all groups, or of these.
+  /// Computes all groups, or these alone.
   template <class X, class T, class Compute>
   void for_each_group(const X* x, T* y, T sign, const GroupsAtNodes* groups,
                       Compute&& compute) const;

@@ -17,7 +17,7 @@ namespace {
 using TurnMatrix = Eigen::Matrix<double, 6, 6>;
 using Matrix36 = Eigen::Matrix<double, 3, 6>;
 
-/// What is added to the scaled matrix, and the part of a random vector that tells a motion.
+/// Shift of the scaled matrix, and the part of a random vector that tells a motion.
 constexpr double kShift = 1e-10, kMoved = 1e-3;
 
 /// A node and one of the pieces around it.
@@ -99,7 +99,7 @@ class PieceMotions {
     }
   }
 
-  /// Per piece of the body.
+  /// Tells for each piece of the body whether it can move without strain.
   std::vector<bool> moving() const;
 
  private:

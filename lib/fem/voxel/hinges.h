@@ -18,9 +18,9 @@
 
 namespace supple {
 
-/// Per element of the voxel mesh: whether it lies in a piece that can move without strain; empty
-/// where none does. Islands whose rigid motions nothing prevents are to be held. Where nothing is
-/// held at all, the largest piece of each island counts as held.
+/// Tells for each element of the voxel mesh whether it lies in a piece that can move without
+/// strain; empty where none does. Islands whose rigid motions nothing prevents are to be held.
+/// Where nothing is held at all, the largest piece of each island counts as held.
 std::vector<bool> hinged_elements(const HexMesh& voxels, const HeldBits& held);
 
 }  // namespace supple

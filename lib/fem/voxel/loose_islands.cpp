@@ -9,7 +9,7 @@ namespace supple {
 
 namespace {
 
-/// What the held components of an island see of its six rigid motions.
+/// Products of an island's six rigid motions over its held components.
 struct RigidSight {
   std::array<std::array<double, 6>, 6> gram{};
   Vec3d about{0, 0, 0};
@@ -70,7 +70,7 @@ LooseCount hold_loose_islands(const HexMesh& voxels, bool holds, HeldBits& held)
       const Corners corners = voxels.corners_in(block, e);
       for (int c = 0; c < 8; ++c) {
         const NodeIndex node = corners[c];
-        // Once per node is enough; what a block met first is met here again at least once.
+        // One visit per node is enough; what a block met first is met here again at least once.
         if (held[node] == 0 || node < voxels.node_begin[block]) continue;
         see(corner_position(voxels, std::int32_t(block), voxels.offset[e], c), held[node],
             sights[islands.of_node[node]]);

@@ -22,7 +22,7 @@ constexpr double kMostFreeShare = 0.95;
 /// finest level, if these are as many as help.
 constexpr double kThinProducts = 4;
 constexpr int kMostThinSteps = 16, kLeastThinSteps = 4;
-/// What so many nodes' levels were made from goes back to the system before the solve.
+/// Meshes of more nodes return the memory that their levels were made in before the solve.
 constexpr NodeIndex kManyNodes = 300000;
 /// The power method's values come from below, and the diagonal is rounded.
 constexpr double kBoundMargin = 1.02;
@@ -340,7 +340,7 @@ void Multigrid::prolong_from(int level, float* z) {
   }
 }
 
-/// With the residual kept in r. The last product is left out after the coarse correction.
+/// Smooths with the residual kept in r. The last product is left out after the coarse correction.
 void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
   ChebyshevSteps chebyshev(level.largest_eigenvalue, m_params.range);
   const ShortFloat* inverse = level.inverse_diagonal.data();
@@ -359,9 +359,9 @@ void Multigrid::smooth(Level& level, bool is_first, float* r, float* z) const {
   }
 }
 
-/// Of the unknowns of thin parts alone; d must be 0, and the second time adds to m_thin_z. So many
-/// steps magnify what lies above the largest eigenvalue, hence a bound of it instead of an
-/// estimate.
+/// Smooths the unknowns of thin parts alone; d must be 0, and the second time adds to m_thin_z.
+/// That many steps magnify what lies above the largest eigenvalue, hence a bound of it instead of
+/// an estimate.
 void Multigrid::smooth_thin(bool is_first, float* r) {
   Level& level = m_levels[0];
   // A range as wide as the steps reach: plates bend the more softly the longer their waves.

@@ -32,16 +32,16 @@ inline int lattice_place(int offset, int corner) {
 class NodeTables {
  public:
   NodeTables() = default;
-  /// Of elements whose cells and corners these are; those of block b begin at element_begin[b].
+  /// Takes elements whose cells and corners these are; those of block b begin at element_begin[b].
   NodeTables(const std::vector<std::int32_t>& element_begin,
              const std::vector<std::uint16_t>& offset, const std::vector<Corners>& corners);
 
-  /// Of one block; -1 at places of the lattice without a node.
+  /// Nodes of one block; -1 at places of the lattice without a node.
   const NodeIndex* nodes(std::size_t block) const { return &m_nodes[m_begin[block]]; }
   std::size_t size(std::size_t block) const { return m_begin[block + 1] - m_begin[block]; }
   std::size_t longest() const { return m_longest; }
 
-  /// Of an element of the block in the cell with this offset.
+  /// Places of the corners of an element of the block in the cell with this offset.
   CornerPlaces places(std::size_t block, std::int32_t element, int offset) const {
     if (m_listed_begin[block] != m_listed_begin[block + 1]) {
       const CornerPlaces* listed = find_listed(block, element);

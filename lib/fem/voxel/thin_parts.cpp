@@ -97,7 +97,7 @@ class PieceSets {
   }
 
   std::size_t count() const { return m_count; }
-  /// Per node the number of its piece, or -1.
+  /// Takes the number of each node's piece, or -1.
   std::vector<std::int32_t> take_numbers() {
     for (std::int32_t& owner : m_owner) {
       if (owner >= 0) owner = m_number[m_sets->find(std::uint32_t(owner))];

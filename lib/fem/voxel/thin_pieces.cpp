@@ -94,7 +94,7 @@ BlockMatrix<double> as_blocks(const std::map<PiecePair, Matrix6>& sums, std::siz
   return out;
 }
 
-/// In mm from the first block to a corner of an element: world coordinates may be large.
+/// Way in mm from the first block to a corner of an element: world coordinates may be large.
 Vec3d way_to(const HexMesh& mesh, std::size_t block, int offset, int corner) {
   const Vec3d cells(mesh.origin[block] - mesh.origin[0] + brick_local(offset) +
                     Vec3i(corner >> 2 & 1, corner >> 1 & 1, corner & 1));
@@ -138,7 +138,7 @@ void ThinPieces::gather(const HexMesh& voxels, const ThinParts& parts, const Hel
   for (std::size_t n = 0; n < count(); ++n) m_begin[n + 1] += m_begin[n];
   m_members.resize(m_begin.back());
   std::vector<std::size_t> next(m_begin.begin(), m_begin.end() - 1);
-  // Of the first element that has it, each node takes its place.
+  // Each node takes its place from the first element that has it.
   std::vector<bool> is_placed(piece_of.size(), false);
   for (std::size_t b = 0; b < voxels.block_count(); ++b) {
     for (std::int32_t e = voxels.element_begin[b]; e < voxels.element_begin[b + 1]; ++e) {

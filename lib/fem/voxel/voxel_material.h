@@ -1,4 +1,4 @@
-// What the voxels of a mesh are made of.
+// Material of the voxels of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ struct VoxelMaterial {
   std::vector<std::uint8_t> classes;  // per element
 };
 
-/// Of all elements of a body. Throws InputError as ElasticTable::validate().
+/// Makes the material of a body's elements. Throws InputError as ElasticTable::validate().
 VoxelMaterial voxel_material(const Body& body, const ElasticTable& elastic, Dilatation dilatation);
 
 /// The same elements with the moduli of a sum of stiffness and mass. Throws InputError.

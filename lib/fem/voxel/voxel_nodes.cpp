@@ -58,8 +58,8 @@ struct CornerVoxels {
   }
 };
 
-/// Of eight voxels around a corner, numbered by bits as corners are: which are linked along each
-/// axis, as bits of the lower one.
+/// Links of eight voxels around a corner, numbered by bits as corners are: per axis the lower
+/// voxels of links, as bits.
 struct Links {
   std::array<std::uint8_t, 3> lower;
 };
@@ -99,7 +99,7 @@ std::array<std::array<std::uint8_t, 8>, 256> uncut_pieces() {
 }
 const std::array<std::array<std::uint8_t, 8>, 256> kUncutPieces = uncut_pieces();
 
-/// Whether a link that is cut, from its lower voxel, has its ends in different pieces.
+/// True if a link that is cut has its ends in different pieces.
 bool parts_pieces(const Links& links, const Links& uncut) {
   for (int axis = 0; axis < 3; ++axis) {
     const unsigned cut = uncut.lower[axis] & ~unsigned(links.lower[axis]);
@@ -202,7 +202,7 @@ void number_voxel_nodes(const Body& body, const TouchingRule& rule, HexMesh& mes
   for_all_corners([](NodeIndex& node, NodeIndex begin) {
     if (node >= 0) node += begin;
   });
-  // Those referred to are numbers already and stay what they are.
+  // Nodes that were referred to are numbers already and stay what they are.
   for_all_corners([&](NodeIndex& node, NodeIndex) {
     if (node < 0) node = corners[referred(node) / 8][referred(node) % 8];
   });
