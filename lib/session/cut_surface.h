@@ -1,5 +1,5 @@
-// Where a step cuts the body: a triangle mesh from a file, a plane patch or a drawn curve from a
-// scene, or around a label.
+// Surface along which a step cuts the body: a triangle mesh from a file, a plane patch or a drawn
+// curve from a scene, or around a label.
 #pragma once
 
 #include <memory>
@@ -43,7 +43,7 @@ CutSurface label_cut(std::int32_t label, const std::string& place);
 std::int64_t apply_cuts(Body& body, const BrickValues& labels,
                         const std::vector<CutSurface>& surfaces, Progress* progress);
 
-/// As a journal records it.
+/// Returns the surface as a journal records it.
 Value settings_value(const CutSurface& surface);
 
 }  // namespace supple

@@ -78,7 +78,7 @@ void go_on(Handle& handle, const SlotSet& slots, const Displacements& earlier,
   handle.each_by_q = is_even ? Displacements() : std::move(ways);
 }
 
-/// Of a motion that the drags at the pose before have begun from `start`.
+/// Returns the steps of a motion that the drags at the pose before have begun from `start`.
 StepMotion begun_at(const Body& start, const SlotSet& slots, const GridSteps& before,
                     const GridSteps& after) {
   StepMotion steps{before, after, {}};

@@ -1,4 +1,4 @@
-// From drags, as a step asks for them, to handles of a body: targets of every element, soft edges.
+// Handles of a body from a step's drags: targets of every element, soft edges.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace supple {
 struct HandleSurroundings {
   const Body& body;
   const DensityGrid& density;
-  /// Those without the links that rigid pieces hide: an edge does not reach across them.
+  /// Cuts without the links that rigid pieces hide: an edge does not reach across them.
   const LinkCuts& cuts;
   /// Elements that a drag's edge may not take: anchors, and elements that earlier steps hold.
   SlotSet taken;

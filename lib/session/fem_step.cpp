@@ -20,7 +20,7 @@ namespace {
 
 /// Cosine of the widest angle between `facing` and the normal of a face.
 constexpr double kFacingCosine = 0.5;
-/// So often free pieces that would enter others are held, and the rest is solved.
+/// Up to this many times free pieces that would enter others are held, and the rest is solved.
 constexpr int kMostSolutions = 5;
 
 FemLoads loads_of(const FemStep& step, const FemTask& task, const FemSolid& solid) {

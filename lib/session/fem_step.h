@@ -25,14 +25,14 @@ namespace supple {
 enum class LoadKind { force, pressure, swelling };
 const char* name_of(LoadKind kind);
 
-/// What acts on elements while the step's equilibrium is sought.
+/// A load on elements while the step's equilibrium is sought.
 struct FemLoad {
   LoadKind kind = LoadKind::force;
   ChosenPart part;
   Vec3d force_n{0, 0, 0};   // in all, LPS
   double pressure_kpa = 0;  // on faces: inwards where positive; of a swelling: outwards
-  /// Of a pressure: faces whose outward normal is within 60 degrees of this direction in LPS, or
-  /// all.
+  /// Faces of a pressure: those whose outward normal is within 60 degrees of this direction in LPS,
+  /// or all.
   std::optional<Vec3d> facing;
 };
 
@@ -44,7 +44,7 @@ struct FemStep {
   FemParams params;
   LinksBeyond links_beyond = LinksBeyond::project;
   Vec3d gravity_m_s2{0, 0, 0};  // LPS
-  /// Of the elements of rigid pieces; none: as fem_solid() has it.
+  /// Young's modulus of the elements of rigid pieces; none: as fem_solid() has it.
   std::optional<double> rigid_young_kpa;
   double rigid_poisson = 0.3;
   int halvings = 0;  // of the voxels' edges, for smaller elements
@@ -67,7 +67,7 @@ struct FemRecord {
   std::vector<StrainGauge> gauges;    // of the labels of the body
   std::vector<ElementValues> values;  // of FemStep::wanted
   FemNodes nodes;                     // where FemStep::keeps_nodes, until the next step
-  /// Of a picture: where a later one may begin, until then.
+  /// Where the step was for a picture: displacements from which a later one may begin.
   std::shared_ptr<const NodeStart> equilibrium;
   std::optional<ModesRecord> modes;    // of FemStep::modes; `report` then has sizes alone
   std::optional<MotionRecord> motion;  // of FemStep::motion; all else is as at its end
@@ -77,7 +77,7 @@ struct FemRecord {
 struct PieceMotion;  // lib/session/rigid_drag.h
 struct FreePose;     // lib/session/free_poses.h
 
-/// What a session hands over.
+/// The part of a session that the solver works on.
 struct FemTask {
   HeldBody held;
   const LinkCuts& cuts;  // of the body without what rigid pieces hide
@@ -106,15 +106,15 @@ void show_frame(std::size_t frame, FemRecord& record, Body& body);
 /// The body takes another shape of the record's modes.
 void show_mode(int number, FemRecord& record, Body& body);
 
-/// Of `fem = { … }` in a scene, but for its loads, modes and motion.
+/// Keys of `fem = { … }` in a scene, but for its loads, modes and motion.
 Fields fields(FemStep& step);
-/// The first of these, which chooses the defaults of others.
+/// The first of these keys, which chooses the defaults of others.
 Field accuracy_field(FemStep& step);
-/// Those of them that are options of the command line, too.
+/// Those of these keys that are options of the command line, too.
 Fields option_fields(FemStep& step);
-/// Of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
+/// Keys of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
 Fields load_fields(FemLoad& load);
-/// As a journal records it.
+/// Returns the step as a journal records it.
 Value settings_value(const FemStep& step);
 
 }  // namespace supple

@@ -12,9 +12,9 @@ namespace supple {
 
 namespace {
 
-/// So many go one after the other.
+/// Up to this many free pieces are solved one by one; the others are solved together.
 constexpr std::size_t kSinglePieces = 3;
-/// Of the way from a shift to the smallest motion, where tissue forbids the whole.
+/// Parts of the way from a shift to the smallest motion, where tissue forbids the whole.
 constexpr int kPoseParts = 16;
 /// A piece carries tissue along about as far as twice its shift, on all sides: links give way by
 /// about half of their length.
@@ -56,7 +56,7 @@ std::vector<Handle> FreePoses::with(const std::vector<Handle>& handles,
   return all;
 }
 
-/// In voxels, of any element along any axis, from where it is.
+/// Longest way in voxels of any element along any axis, from where it is.
 double FreePoses::longest_way(const RigidPiece& piece, const RigidPose& pose) const {
   RigidPiece moved = piece;
   moved.pose = pose;
@@ -71,7 +71,7 @@ double FreePoses::longest_way(const RigidPiece& piece, const RigidPose& pose) co
   return longest;
 }
 
-/// From where its motion starts.
+/// Length of the shift from where the piece's motion starts.
 double FreePoses::shift_mm(const FreePose& free) const {
   const RigidPose& start = m_body.rigid.list[free.piece].motion_starts_at();
   Vec3d shift;
@@ -82,7 +82,7 @@ double FreePoses::shift_mm(const FreePose& free) const {
   return m_body.geometry.world_vector_from_index(shift).length();
 }
 
-/// In the order in which they go.
+/// Groups of pieces in the order in which they go.
 std::vector<FreePoses::Group> FreePoses::groups_of(const std::vector<FreePose>& poses,
                                                    std::size_t first) const {
   Group order;
@@ -104,7 +104,7 @@ std::vector<FreePoses::Group> FreePoses::groups_of(const std::vector<FreePose>& 
   return groups;
 }
 
-/// How far bounds are looked for, in voxels: twice as far as any element of the group goes.
+/// Distance in voxels to which bounds are sought: twice as far as any element of the group goes.
 double FreePoses::reach(const std::vector<FreePose>& poses, const Group& group) const {
   double reach = 1;
   for (const std::size_t n : group) {
@@ -113,7 +113,7 @@ double FreePoses::reach(const std::vector<FreePose>& poses, const Group& group) 
   return reach;
 }
 
-/// Of a search from these poses.
+/// Returns the bounds with which a search from these poses begins.
 LastingBounds FreePoses::lasting_bounds(const std::vector<Handle>& handles,
                                         const std::vector<FreePose>& poses) const {
   Group all(poses.size());

@@ -25,13 +25,13 @@ class FreePoses {
   FreePoses(Body& body, VoxelEcmModel& ecm, Progress* progress)
       : m_body(body), m_ecm(ecm), m_progress(progress) {}
 
-  /// Where the drag of a report shifts pieces to.
+  /// Poses to which the drag of a report shifts pieces.
   std::vector<FreePose> shifted(const EcmReport& report) const;
 
-  /// From poses that the whole drag of the handles allows to smaller motions. Pieces that these
+  /// Leads poses that the whole drag of the handles allows to smaller motions. Pieces that these
   /// would shift are added.
   void shrink(const std::vector<Handle>& handles, std::vector<FreePose>& poses);
-  /// From any poses to ones that the whole drag of the handles allows; false where none was found.
+  /// Leads any poses to ones that the whole drag of the handles allows; false where it finds none.
   bool find(const std::vector<Handle>& handles, std::vector<FreePose>& poses);
   /// The handles, and one for each pose.
   std::vector<Handle> with(const std::vector<Handle>& handles, const std::vector<FreePose>& poses,

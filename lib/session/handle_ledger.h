@@ -26,7 +26,7 @@ class HandleLedger {
   /// no more. Throws InputError for one without element.
   void add(int step, const std::vector<Handle>& handles, const Body& body);
   void release() { m_handles.clear(); }
-  /// After elements were removed: keeps the remaining elements of each handle, on the bricks of
+  /// Follows a removal of elements: keeps the remaining elements of each handle, on the bricks of
   /// `to`.
   void move_to(const BrickTopology& from, const BrickTopology& to);
 

@@ -1,4 +1,4 @@
-// How a handle moves: scaled, turned and shifted as one body, with an edge that follows in part.
+// Motion of a handle: scaled, turned and shifted as one body, with an edge that follows in part.
 #pragma once
 
 #include <optional>
@@ -23,19 +23,19 @@ struct HandleMotion {
 
 using Displacements = std::vector<std::array<std::int32_t, 3>>;
 
-/// Where an element is now, in voxels.
+/// Present place of an element, in voxels.
 Vec3d place_now(const Body& body, Slot slot);
 
-/// The middle of where elements are now.
+/// The middle of the present places of elements.
 Vec3d centre_lps_mm(const Body& body, const SlotSet& slots);
 
-/// Per element, in 2^-16 voxel: parts[n] (1 where `parts` is empty) of the way from where it is now
-/// to A (x - p) + p + t, with p = about_lps_mm and t = by_mm along the grid axes, rounded once.
+/// Ways of elements in 2^-16 voxel: parts[n] (1 where `parts` is empty) of the way from where it is
+/// now to A (x - p) + p + t, with p = about_lps_mm and t = by_mm along the grid axes, rounded once.
 /// Throws InputError beyond +-16383 voxels.
 Displacements displacements_of(const Body& body, const SlotSet& slots, const HandleMotion& motion,
                                const Vec3d& by_mm, const std::vector<double>& parts = {});
 
-/// What the motion makes of steps between places where it starts.
+/// Returns the steps of the motion between the places where it starts.
 GridSteps steps_of(const HandleMotion& motion, const Geometry& geometry);
 
 }  // namespace supple

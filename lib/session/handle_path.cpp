@@ -30,7 +30,7 @@ class JointPath {
     m_times.erase(std::unique(m_times.begin(), m_times.end()), m_times.end());
   }
 
-  /// Those of the poses, in order; nothing without a path. Poses that differ from the one before in
+  /// Times of the poses, in order; nothing without a path. Poses that differ from the one before in
   /// nothing are left out, but for the last.
   std::vector<double> times() const {
     std::vector<double> all;

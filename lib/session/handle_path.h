@@ -11,7 +11,7 @@ namespace supple {
 /// of its radius.
 constexpr double kMostTurnDeg = 10;
 
-/// Of the motion's point and frame, at a pose of its path.
+/// Returns the motion's point and frame at a pose of its path.
 DragPose pose_of(const PathPose& pose, HandleMotion motion);
 
 /// The handles of a step on a grid, as to_drags() at the end of their paths, with the poses on the

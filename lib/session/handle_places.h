@@ -25,7 +25,7 @@ struct HandlePlace {
 /// Throws InputError as elements_of().
 HandlePlace place_of(const Region& region, const Body& body, const State& state);
 
-/// Where a volume's densities can be read once more.
+/// Place where a volume's densities can be read once more.
 struct DensitySource {
   std::string path;  // empty: nowhere
   ReadOptions read;

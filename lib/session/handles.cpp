@@ -72,7 +72,7 @@ Vec3i nearest_voxel(const Vec3d& index) {
   return voxel;
 }
 
-/// Whether the elements are found by more than a region of voxels.
+/// True if the elements are found by more than a region of voxels.
 bool needs_selection(const PlacedHandle& given) {
   return given.ball || given.density || given.piece_at || given.rigid_at || given.soft_mm > 0;
 }

@@ -19,7 +19,7 @@ void add_motion(const HandleMotion& motion, Value& value) {
   value["rotate_degrees"] = motion.angle_deg;
 }
 
-/// With the voxels themselves, so that the record does not depend on other files.
+/// Records the voxels themselves, so that the record does not depend on other files.
 Value to_value(const Drag& drag) {
   Value value;
   if (drag.selection) {

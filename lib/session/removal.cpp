@@ -10,7 +10,7 @@ namespace supple {
 
 namespace {
 
-/// How far densities are kept around elements (docs/design.md, "The air").
+/// Width in voxels of the densities kept around elements (docs/design.md, "The air").
 constexpr int kShellVoxels = 2;
 
 BrickTopology left_of(const BrickTopology& elements, const SlotSet& removed) {

@@ -27,7 +27,7 @@ Fields fields(Retraction& retraction);
 std::vector<Handle> handles_of(const Retraction& retraction, const Body& body,
                                const SlotSet& taken);
 
-/// As a journal records it.
+/// Returns the retraction as a journal records it.
 Value settings_value(const Retraction& retraction);
 
 }  // namespace supple

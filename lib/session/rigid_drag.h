@@ -7,7 +7,7 @@
 
 namespace supple {
 
-/// Where a drag, or several, take a piece.
+/// Motion on which one or several drags take a piece.
 struct PieceMotion {
   std::size_t piece;  // in Body::rigid
   std::size_t drag;   // the first that takes hold of it

@@ -1,4 +1,4 @@
-// Which elements of a body a step makes rigid pieces, and the pieces of a state.
+// Choice of the elements of a body that a step makes rigid pieces, and the pieces of a state.
 #pragma once
 
 #include <optional>
@@ -39,7 +39,7 @@ void part_pieces(Body& body, const LinkCuts& cuts, const std::vector<std::int64_
 /// Shifts of poses, as far as the solver has shifted their elements.
 void follow_shifts(Body& body);
 
-/// As a journal records it.
+/// Returns the request as a journal records it.
 Value settings_value(const RigidRequest& request);
 
 /// Pieces as a state keeps them, and back. Throws InputError naming `file`.

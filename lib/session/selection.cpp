@@ -21,7 +21,7 @@ bool is_within(const std::optional<NumberPair>& range, const DensityGrid& densit
   return value >= range->first && value <= range->second;
 }
 
-/// How far the voxel lies outside box and ball; 0 inside. Exact where the axes are perpendicular.
+/// Distance of the voxel outside box and ball; 0 inside. Exact where the axes are perpendicular.
 double distance_mm(const Selection& selection, const Geometry& geometry, const Vec3i& voxel) {
   const auto length_mm = [&](const Vec3d& step) {
     return geometry.world_vector_from_index(step).length();
@@ -40,7 +40,7 @@ double distance_mm(const Selection& selection, const Geometry& geometry, const V
   return distance;
 }
 
-/// Whether a brick may hold voxels no further than that outside box and ball: an axis of the grid
+/// True if a brick may hold voxels no further than that outside box and ball: an axis of the grid
 /// changes the distance by at most its own length for each voxel.
 bool may_reach(const Selection& selection, const Geometry& geometry, const Vec3i& brick,
                double within_mm) {
@@ -66,7 +66,7 @@ void for_each_brick_of(const Selection& selection, const Body& body, double with
   }
 }
 
-/// Whether a link is cut on the way from a voxel to the box or ball: along links, as near to the
+/// True if a link is cut on the way from a voxel to the box or ball: along links, as near to the
 /// straight line as they lie.
 bool is_cut_off(const Selection& selection, const Body& body, const LinkCuts& cuts, Vec3i voxel) {
   Vec3i count, step;  // links left along each axis, and their direction

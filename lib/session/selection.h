@@ -24,7 +24,7 @@ struct Selection {
   std::optional<Vec3i> rigid_at;  // the rigid piece that holds a voxel
 
   bool operator==(const Selection& other) const;
-  /// As on the command line: "ball:128,211,12:8", "density:300:3100", "piece:128,211,12".
+  /// Text of the command line: "ball:128,211,12:8", "density:300:3100", "piece:128,211,12".
   std::string name() const;
 };
 
@@ -33,7 +33,7 @@ struct Selection {
 Region region_of(const Selection& selection, const Body& body, const DensityGrid& density,
                  const std::string& role);
 
-/// How far a voxel lies outside the selection's ball; negative inside.
+/// Distance of a voxel outside the selection's ball; negative inside.
 double beyond_ball_mm(const Selection& selection, const Geometry& geometry, const Vec3i& voxel);
 
 /// All elements of a label or of a selection, connected or not, under a name.
@@ -49,7 +49,7 @@ struct ChosenPart {
 /// Throws InputError, named `role`, as region_of(), and for a label that no element has.
 SlotSet elements_of(const ChosenPart& part, const Body& body, const DensityGrid& density,
                     const BrickValues& labels, const std::string& role);
-/// As a journal records it.
+/// Returns the part as a journal records it.
 Value chosen_value(const ChosenPart& part);
 
 /// Elements around a box or ball and how much of its motion each takes.
@@ -64,9 +64,9 @@ struct SoftEdge {
 SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body,
                    const LinkCuts& cuts, const DensityGrid& density);
 
-/// As a journal records it, and a state its anchors.
+/// Returns the selection as a journal records it, and a state its anchors.
 Value selection_value(const Selection& selection);
-/// Throws InputError naming `file`.
+/// Reads it back. Throws InputError naming `file`.
 Selection selection_of(const Value& value, const std::string& file);
 
 }  // namespace supple

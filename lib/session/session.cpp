@@ -79,7 +79,7 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
 
 Session::~Session() = default;
 
-/// By the densities of the volume: one tissue where no material is given, the domain of a preset.
+/// Fits the material to the volume's densities: one tissue where none is given, a preset's domain.
 void Session::choose_material(const std::string& path, const SessionOptions& options,
                               Progress* progress) {
   const VolumeStatistics statistics =

@@ -61,7 +61,7 @@ class Session {
   const Geometry& geometry() const { return m_state.geometry; }
   const Body& body() const { return m_body; }
   const MaterialTable& material() const { return m_material; }
-  /// Whether steps with Step::shift_pieces have left pieces that are still to turn.
+  /// True if steps with Step::shift_pieces have left pieces that are still to turn.
   bool has_shifted_pieces() const;
   /// Links that are cut, without those that rigid pieces hide in body().cuts.
   const LinkCuts& cuts() const { return m_body.rigid.empty() ? m_body.cuts : m_state.cuts; }
@@ -94,7 +94,7 @@ class Session {
   bool undo();
   /// Steps that it can take back.
   std::size_t undo_steps() const;
-  /// What is kept for it.
+  /// Memory that is kept for it.
   std::size_t undo_bytes() const { return m_undo_bytes; }
 
   /// The body takes the shape of another mode that the last step has found; numbers count from 1.
@@ -222,7 +222,7 @@ class Session {
   std::vector<Region> m_anchors;  // the boxes, labels and selections that the state has fixed
   Holds m_holds;                  // elements that earlier steps dragged
   HandleLedger m_ledger;          // the handles that did
-  /// Of the last finite elements for a picture, while their solid is the same.
+  /// Displacements of the last finite elements for a picture, while their solid is the same.
   std::shared_ptr<const NodeStart> m_equilibrium;
   RelaxParams m_relaxed_by;  // of the relaxation that the body rests under, if any
   std::vector<StepRecord> m_records;

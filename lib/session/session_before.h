@@ -10,7 +10,7 @@
 
 namespace supple {
 
-/// What a material makes of a body.
+/// A material, and a body's classes and slacks that it leads to.
 struct MaterialBefore {
   MaterialTable material;
   std::string toml;
@@ -33,9 +33,9 @@ struct Session::Before {
   RelaxParams relaxed_by;
   std::shared_ptr<const MaterialBefore> material;  // before it changes
   FemNodes handed_over;                            // by the record of the step before
-  /// Where the step has replaced it.
+  /// The start of pictures before the step, where the step has replaced it.
   std::optional<std::shared_ptr<const NodeStart>> equilibrium;
-  /// Before elements are removed: all else of the state and the body.
+  /// All else of the state and the body, before elements are removed.
   std::shared_ptr<std::pair<State, Body>> whole;
 
   std::size_t bytes() const;

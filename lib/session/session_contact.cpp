@@ -21,7 +21,7 @@ struct Session::StepStart {
 
 namespace {
 
-/// Of the way, where limits forbid what pieces leave free.
+/// Halvings of the way, where limits forbid what pieces leave free.
 constexpr int kHalvings = 8;
 
 void multiply(EcmReport& report, std::int64_t parts, std::int64_t all) {
@@ -94,7 +94,7 @@ PieceWay Session::way_of_pieces(const std::vector<RigidPiece>& start,
   };
 }
 
-/// Where pieces meet first on their ways from `start`.
+/// Finds where pieces meet first on their ways from `start`.
 std::optional<BoneStop> Session::first_bone_stop(const std::vector<RigidPiece>& start,
                                                  const std::vector<RigidPose>& end,
                                                  std::vector<PieceMotion> motions, double part) {
@@ -245,7 +245,7 @@ std::int64_t Session::solve_part(std::int64_t parts, const std::vector<Handle>& 
   return parts;
 }
 
-/// None where no cut can close, or nothing is to be kept apart.
+/// Makes the contact; none where no cut can close, or nothing is to be kept apart.
 std::unique_ptr<CutContact> Session::contact_of(const Step& request) {
   if (!m_material.has_contact || request.limits == Limits::ball || m_body.cuts.empty()) {
     return nullptr;
@@ -266,8 +266,8 @@ SlotSet Session::fixed_elements() const {
   return fixed;
 }
 
-/// Beside rigid pieces a drag takes long to solve. It is solved once, and a part of it is that part
-/// of the straight way.
+/// Solves a drag beside rigid pieces once, since that takes long; a part of the drag is then that
+/// part of the straight way.
 void Session::solve_in_contact(CutContact& contact, const std::vector<Handle>& handles,
                                const std::vector<PieceMotion>& pieces, StepRecord& record,
                                Progress* progress) {

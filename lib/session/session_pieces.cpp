@@ -69,7 +69,7 @@ bool holds_density(const BrickTopology& elements, const DensityGrid& density,
 
 }  // namespace
 
-/// From here on m_state.cuts are the cuts without the links that pieces hide.
+/// Takes over pieces; then m_state.cuts are the cuts without the links that pieces hide.
 void Session::take_pieces_of_state(const std::string& path, Progress* progress) {
   m_body.rigid = pieces_of(m_state.piece_records, m_state.pieces, m_body.elements, path);
   if (!m_body.rigid.empty()) m_body.cuts = cuts_with_pieces(m_body, m_state.cuts);

@@ -38,7 +38,7 @@ bool has_turns(const std::vector<PieceMotion>& pieces) {
                      [](const PieceMotion& piece) { return piece.motion.turns(); });
 }
 
-/// What the sides did after the relaxation, to what they did before.
+/// Adds the report of the sides after the relaxation to the one before.
 void add(const SidesReport& later, SidesReport& report) {
   report.overlapping += later.overlapping;
   report.deepest_voxels = std::max(report.deepest_voxels, later.deepest_voxels);

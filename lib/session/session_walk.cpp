@@ -56,7 +56,7 @@ bool has_anchors(const Step& request) {
   return !request.fix.empty() || !request.fix_labels.empty() || !request.fix_selections.empty();
 }
 
-/// Of all poses so far.
+/// Adds the report of a pose to that of all poses so far.
 void add(const EcmReport& report, EcmReport& whole) {
   if (report.fraction() < whole.fraction()) {
     whole.fraction_numerator = report.fraction_numerator;

@@ -46,12 +46,12 @@ SpringRecord move_by_springs(const SpringStep& step, const HeldBody& held,
                              const std::vector<Handle>& handles,
                              const std::vector<SlotSet>& gripped, Progress* progress);
 
-/// Of `springs = { … }` in a scene, but for its shapes in contact.
+/// Keys of `springs = { … }` in a scene, but for its shapes in contact.
 Fields fields(SpringStep& step);
 /// The fields without effect: those of a motion in a minimisation, and the other way round.
 std::vector<std::string> idle_fields(const SpringStep& step);
 
-/// As a journal records it: JSON, without fields that have no effect.
+/// Returns the step as a journal records it, without fields that have no effect.
 Value settings_value(const SpringStep& step);
 
 }  // namespace supple

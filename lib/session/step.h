@@ -23,7 +23,7 @@
 
 namespace supple {
 
-/// Where a drag takes its elements, from where they are before the step.
+/// Motion on which a drag takes its elements, from where they are before the step.
 struct DragPose {
   Vec3d by_mm;
   HandleMotion motion;
@@ -70,8 +70,8 @@ struct Step {
   RigidRequest rigid = {};              // after cuts and removals, before the drags
   std::vector<Retraction> retract = {};
   Limits limits = Limits::box;
-  /// After the drag. Absent: tissue_relaxation() where the step drags under box limits and the
-  /// material asks for it, unless no_relax.
+  /// Relaxation after the drag. Absent: tissue_relaxation() where the step drags under box limits
+  /// and the material asks for it, unless no_relax.
   std::optional<RelaxParams> relax = {};
   bool no_relax = false;
   std::optional<SpringStep> springs = {};  // instead of both
@@ -82,12 +82,12 @@ struct Step {
   bool shift_pieces = false;
   bool turn_pieces = false;      // they turn in this step, which does nothing else
   bool tells_reactions = false;  // of the handles that are held, in the record
-  /// From now on, for the elements that there are: `active` and `components` chose them when the
+  /// Material from now on for the present elements: `active` and `components` chose them when the
   /// volume was opened. Links whose limits the body breaks then are projected before it moves.
   std::optional<MaterialTable> material = {};
 
   bool does_nothing() const;
-  /// Whether a handle follows a path.
+  /// True if a handle follows a path.
   bool is_animated() const;
 };
 
@@ -108,7 +108,7 @@ struct BoneMeeting {
 };
 
 struct StepRecord;
-/// How far a shift of the step has gone, in mm along the grid axes.
+/// Distance that a shift of the step has gone, in mm along the grid axes.
 Vec3d way_done(const StepRecord& record, const Vec3d& by_mm);
 
 /// Results of a step, which is on the grid. For drags with a way the report of the drag covers all

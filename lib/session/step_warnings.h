@@ -6,9 +6,9 @@
 
 namespace supple {
 
-/// Of a step whose model does not use the material's diagonal links.
+/// Notes that the model of a step does not use the material's diagonal links.
 void note_of_links(const Step& request, int links, Progress* progress);
-/// Where no rigid piece is among the `held` elements although an anchor lies beside a piece that is
+/// Warns where no `held` element is of a rigid piece although an anchor lies beside a piece that is
 /// not `grabbed`: names the piece and its voxel nearest to the anchors.
 void warn_of_missed_pieces(const Body& body, const SlotSet& held, const SlotSet& grabbed,
                            Progress* progress);

@@ -11,7 +11,7 @@ namespace supple {
 
 namespace {
 
-/// In the order of tissue_ranges().
+/// Places of counted ranges in tissue_ranges().
 enum Counted { in_domain, tissue_hu, tissue_hu_in_domain };
 
 /// Threshold of the first `bins` that parts them best: the largest variance between both parts; -1

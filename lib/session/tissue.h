@@ -19,9 +19,9 @@ constexpr double kTissueHu = -300;
 /// the least. All other tables as they are.
 MaterialTable fitted_to(MaterialTable material, const VolumeStatistics& statistics);
 
-/// Where the background of a picture ends, as a bin of its histogram, the last one of it: Otsu's
-/// threshold between dark and bright, and within the dark part once more, between air and what is
-/// dark in tissue, such as bone and liquor in MRI.
+/// Last bin of a picture's background in its histogram, by Otsu's threshold between dark and
+/// bright, and within the dark part once more, between air and what is dark in tissue, such as bone
+/// and liquor in MRI.
 ///
 /// Source: N. Otsu, A threshold selection method from gray-level histograms, IEEE Trans. Systems,
 /// Man and Cybernetics 9, 62-66, 1979. Cost: two passes over the bins.

@@ -1,5 +1,5 @@
-// What a solution of finite elements says of the elements of a body: values of each, and means over
-// labels.
+// Results of a solution by finite elements at the elements of a body: values of each, and means
+// over labels.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@ struct StrainGauge {
 /// The elements of the solid that each element of the body consists of.
 using ElementParts = std::vector<std::vector<std::int32_t>>;
 
-/// What a solution says of the elements of the body, each of which may have parts.
+/// A solution and the elements of the body, each of which may have parts.
 struct SolvedElements {
   const FemModel& solid;
   const std::vector<double>& u_mm;
@@ -41,7 +41,7 @@ struct SolvedElements {
   std::vector<float> values_of(FemQuantity quantity) const;
 };
 
-/// Of the labels of these elements, ascending.
+/// Returns the gauges of the labels of these elements, ascending.
 std::vector<StrainGauge> gauges_of(const SolvedElements& solved, const BrickTopology& elements,
                                    const BrickValues& labels);
 std::vector<ElementValues> values_of(const SolvedElements& solved, const BrickTopology& elements,

@@ -43,7 +43,7 @@ ModesRecord find_modes_of_body(const ModeStep& step, const FemParams& params, co
 /// The elements lie where the mode has them at its largest, from rest; `number` counts from 1.
 void take_mode_shape(const ModesRecord& record, int number, Body& body);
 
-/// Of `modes = { … }` of fem.
+/// Keys of `modes = { … }` of fem.
 Fields fields(ModeStep& step);
 
 }  // namespace supple

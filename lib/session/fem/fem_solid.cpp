@@ -13,7 +13,7 @@ namespace {
 
 using ClassSet = std::array<bool, kLastClass + 1>;
 
-/// Of the elements in no piece.
+/// Returns the classes of the elements in no piece.
 ClassSet classes_of_tissue(const Body& body) {
   ClassSet is_used{};
   for_each_element(body.elements, [&](Slot slot) {

@@ -1,4 +1,4 @@
-// What finite elements are to see of a body with its material and rigid pieces.
+// The solid that finite elements solve for a body with its material and rigid pieces.
 #pragma once
 
 #include <array>

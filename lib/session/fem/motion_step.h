@@ -65,7 +65,7 @@ void take_frame(const MotionRecord& record, std::size_t frame, Body& body);
 /// the body pulls at `handles`, whose reactions the samples have, in N.
 std::string motion_csv(const MotionRecord& record, const std::vector<std::string>& handles);
 
-/// Of `motion = { … }` of fem, but for `watch`.
+/// Keys of `motion = { … }` of fem, but for `watch`.
 Fields fields(MotionStep& step);
 
 }  // namespace supple
