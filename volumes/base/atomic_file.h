@@ -16,7 +16,7 @@ void check_output_place(const std::string& path);
 /// leaves no room in a name of 255 bytes, a number made of it and its extension.
 std::string temporary_part(const std::string& file_name);
 
-/// Where a file is written before it has its final name.
+/// Returns the name under which a file is written before it has its final name.
 std::string temporary_name(const std::string& final_path);
 
 /// Owns a temporary file beside `final_path`. Write to `path()` by any means, then commit().
@@ -50,7 +50,7 @@ class CommonCommit {
   CommonCommit(const CommonCommit&) = delete;
   CommonCommit& operator=(const CommonCommit&) = delete;
 
-  /// Whether there is one, so that the process should not end; may be asked in a signal handler.
+  /// True if there is one, so that the process should not end. A signal handler may ask.
   static bool is_under_way();
 };
 

@@ -24,7 +24,7 @@ std::string last_of(const std::vector<std::string>& lines) {
   return lines.empty() ? "" : lines.back();
 }
 
-/// What a child that ended by itself had to complain of.
+/// Returns the complaint of a child that ended by itself.
 std::string complaint_of(const std::string& err) {
   const std::string error = last_of(lines_of(err, "supple: error: "));
   if (!error.empty()) return error;

@@ -27,7 +27,7 @@ using NumberPair = std::pair<double, double>;
 using PixelSize = std::array<int, 2>;
 
 std::string colour_text(const Rgb& rgb);
-/// None for text other than "#RRGGBB".
+/// Reads a colour; none for text other than "#RRGGBB".
 std::optional<Rgb> parse_colour(const std::string& text);
 
 /// One setting: its name, the address of its value, its meaning and its allowed values.
@@ -74,9 +74,9 @@ class Field {
   /// The name on the command line, without dashes, where it is not the prefix of the table and the
   /// name.
   Field& option(const char* name) { return m_option = name, *this; }
-  /// Not an option of its own on the command line.
+  /// The setting is no option of its own on the command line.
   Field& only_in_scenes() { return m_is_only_in_scenes = true, *this; }
-  /// Of a view: slices have it, too.
+  /// Slices have this setting of a view, too.
   Field& for_slices() { return m_is_for_slices = true, *this; }
   /// Placeholder of the value in a help text.
   Field& shown_as(const char* placeholder) { return m_placeholder = placeholder, *this; }
@@ -101,10 +101,10 @@ class Field {
   bool is_only_in_scenes() const { return m_is_only_in_scenes; }
   bool is_for_slices() const { return m_is_for_slices; }
   bool is_path() const { return m_is_path; }
-  /// Whether a text is one of the words that stand beside paths.
+  /// True if a text is one of the words that stand beside paths.
   bool is_word(const std::string& text) const;
   const Target& target() const { return m_target; }
-  /// Whether the value is a T, or a T that may be absent.
+  /// True if the value is a T, or a T that may be absent.
   template <class T>
   bool holds() const {
     return std::visit(
@@ -120,7 +120,7 @@ class Field {
   /// The name that the word stands for, or the word itself.
   std::string name_for(const std::string& word) const;
 
-  /// Whether the number may be the value, or a component of it.
+  /// True if the number may be the value, or a component of it.
   bool allows(double value) const;
   /// "0 to 40 mm", "a positive number of mm", "one of a, b and c"; empty: anything of its kind.
   std::string allowed() const;

@@ -3,11 +3,11 @@
 
 namespace supple {
 
-/// What is allocated in small pieces lies in pages of 2 MiB from now on, where the system has them,
-/// up to 256 MiB of it: the first touch of small pages else takes a third of a run. Not under a
-/// limit of addresses, which the heap would use up ahead of its need: threads share one heap then,
-/// since each takes 64 MiB or more for its own, and whether that leaves enough is a matter of luck.
-/// For programs, not for libraries within them.
+/// Puts small allocations into pages of 2 MiB from now on, where the system has them, up to 256 MiB
+/// of it: the first touch of small pages else takes a third of a run. Not under a limit of
+/// addresses, which the heap would use up ahead of its need: threads share one heap then, since
+/// each takes 64 MiB or more for its own, and whether that leaves enough is a matter of luck. For
+/// programs, not for libraries within them.
 void keep_heap_in_large_pages();
 
 /// Pages of memory that is free go back to the system; those that follow are large where a program

@@ -8,7 +8,7 @@ namespace supple {
 
 namespace {
 
-/// How far a text has been read. The parser reads one character beyond a number.
+/// Place up to which a text has been read. The parser reads one character beyond a number.
 struct Position {
   int line = 1;
   bool is_past_break = false;

@@ -25,8 +25,8 @@ Value parse_json(std::string_view text, int deepest = kDeepestJson);
 /// Null for text that is no JSON.
 Value json_or_null(std::string_view text);
 
-/// In one line; indented by so many spaces where that is above 0. Bytes that are not UTF-8 become
-/// U+FFFD.
+/// Writes one line; indents by this many spaces where that is above 0. Bytes that are not UTF-8
+/// become U+FFFD.
 std::string json_text(const Value& value, int indent = 0);
 
 /// Text as a string of JSON, and of TOML.

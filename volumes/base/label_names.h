@@ -18,7 +18,7 @@ using LabelNames = std::vector<std::pair<std::int32_t, std::string>>;
 /// only one of that name; else nothing.
 std::optional<std::int32_t> find_label(const LabelNames& names, const std::string& text);
 
-/// For errors: the numbers and the first names.
+/// Returns the numbers and the first names, for errors.
 std::string expected_label(const LabelNames& names);
 
 }  // namespace supple

@@ -6,7 +6,7 @@
 
 namespace supple {
 
-/// Those that are empty in the end vanish with the object, unless keep() was called.
+/// Folders that are empty in the end vanish with the object, unless keep() was called.
 class MadeFolders {
  public:
   MadeFolders() = default;

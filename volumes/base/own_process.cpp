@@ -42,7 +42,7 @@ void become_program(const std::string& program, const std::vector<std::string>& 
 
 namespace {
 
-/// Of a line "Name:  123 kB" of a file, in millions of bytes; 0 where there is none.
+/// Reads a line "Name: 123 kB" of a file, in millions of bytes; 0 where there is none.
 double line_mb(const char* file, const std::string& name) {
   std::ifstream stream(file);
   for (std::string line; std::getline(stream, line);) {
@@ -55,7 +55,7 @@ double status_mb(const std::string& name) {
   return line_mb("/proc/self/status", name);
 }
 
-/// What the control group of the process leaves; none where it has no limit.
+/// Memory that the process's control group leaves, in millions of bytes; none without a limit.
 std::optional<double> left_in_group_mb() {
   double limit = 0, taken = 0;
   const std::string folder = "/sys/fs/cgroup/";

@@ -24,7 +24,7 @@ double rss_mb();
 /// started it does not count.
 double peak_rss_mb();
 
-/// That of the programs which it has run, up to the present.
+/// The largest resident size of the programs which it has run, up to the present.
 double peak_rss_of_children_mb();
 
 /// The memory that the process may still take, in millions of bytes: what is free on the machine,
@@ -34,7 +34,7 @@ double memory_left_mb();
 /// Processor time of all threads of the process so far.
 double processor_seconds();
 
-/// That which went into loading the program and its libraries, before main().
+/// Processor time for loading the program and its libraries, before main().
 double loading_seconds();
 
 }  // namespace supple

@@ -21,12 +21,12 @@ std::filesystem::path program_folder() {
   return std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
 }
 
-/// Of the program or shared library that this code was linked into.
+/// Returns the folder of the program or shared library that this code was linked into.
 std::filesystem::path own_folder() {
   Dl_info info{};
   std::error_code unknown;
   if (::dladdr(reinterpret_cast<const void*>(&load_plugin), &info) != 0 && info.dli_fname) {
-    // Of a program the dynamic loader knows the name it was started by, which may be relative.
+    // The dynamic loader knows a program by the name it was started by, which may be relative.
     const std::filesystem::path file = std::filesystem::canonical(info.dli_fname, unknown);
     if (!unknown && file.extension() != "") return file.parent_path();
   }

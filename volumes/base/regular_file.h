@@ -1,4 +1,4 @@
-// For readers that open files by themselves, through streams or libraries.
+// Checks for readers that open files by themselves, through streams or libraries.
 #pragma once
 
 #include <string>

@@ -10,7 +10,7 @@ void require_memory(std::int64_t bytes) {
   void* const pages = ::mmap(nullptr, std::size_t(bytes), PROT_NONE,
                              MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (pages == MAP_FAILED) {
-    // As operator new does: the handler may give back what it keeps for the unwinding.
+    // Like operator new, asks the handler, which may give back what it keeps for the unwinding.
     if (const std::new_handler handler = std::get_new_handler()) handler();
     throw std::bad_alloc();
   }

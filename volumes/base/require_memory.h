@@ -1,5 +1,5 @@
-// Asked before libraries run that crash where a small allocation fails: c-blosc's do not look, and
-// OpenVDB's destructors allocate.
+// A check of memory before libraries run that crash where a small allocation fails: c-blosc's do
+// not look, and OpenVDB's destructors allocate.
 #pragma once
 
 #include <cstdint>

@@ -50,14 +50,14 @@ std::multimap<std::string, fs::path> find_leftovers(const fs::path& folder) {
   return found;
 }
 
-/// Whether the descriptor is of the file that has the name now.
+/// True if the descriptor is of the file that has the name now.
 bool is_at(int descriptor, const fs::path& path) {
   struct stat opened = {}, named = {};
   return ::fstat(descriptor, &opened) == 0 && ::stat(path.c_str(), &named) == 0 &&
          opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
-/// Of the open file, not of the process, so that two objects of one process exclude each other.
+/// Makes a lock of the open file, not of the process, so that two objects of it exclude each other.
 struct flock write_lock(off_t start, off_t length) {
   struct flock lock = {};
   lock.l_type = F_WRLCK;
@@ -79,7 +79,7 @@ struct flock byte_of(const std::string& name) {
   return write_lock(off_t(hash >> 2) + 1, 1);
 }
 
-/// Whether what excludes the lock is a whole file that is being removed, or nothing any more.
+/// True if the lock is excluded by a whole file that is being removed, or by nothing any more.
 bool is_passing(int descriptor, struct flock lock) {
   return ::fcntl(descriptor, F_OFD_GETLK, &lock) == 0 &&
          (lock.l_type == F_UNLCK || (lock.l_start == 0 && lock.l_len == 0));

@@ -90,7 +90,7 @@ Problem unpacked(const std::string& text) {
   return problem;
 }
 
-/// What the child exits with; a problem goes through the pipe.
+/// Returns the exit status of the child; a problem goes through the pipe.
 int run_child(int out, const std::function<void()>& parse) {
   try {
     parse();

@@ -14,7 +14,7 @@ struct ChildBounds {
   int seconds = 120;      // and by the clock
 };
 
-/// Whether run_in_child() may start processes. Off at first, since a host program with threads or a
+/// Allows run_in_child() to start processes. Off at first, since a host program with threads or a
 /// display of its own may not be copied; a program that opens files of strangers switches it on
 /// before it opens the first, as the command line does.
 void allow_child_processes(bool allowed);

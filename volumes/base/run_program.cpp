@@ -111,7 +111,7 @@ class RunningChild {
   [[noreturn]] static void fail_start(const std::string& program) {
     throw SystemError(program + ": cannot start: " + std::strerror(errno));
   }
-  /// In the copy of the process: calls nothing that other threads could hold a lock of.
+  /// Runs in the copy of the process: calls nothing that other threads could hold a lock of.
   [[noreturn]] static void become(const std::vector<char*>& words, const std::string& folder,
                                   int out, int err, pid_t parent) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);

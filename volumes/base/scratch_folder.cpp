@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// With six characters behind it the name of such a folder, and of nothing else.
+/// Prefix that with six characters behind it names such a folder, and nothing else.
 constexpr std::string_view kPrefix = "supple-scratch-";
 constexpr std::string_view kAnySix = "XXXXXX";
 /// A folder that has just been made has no lock yet.

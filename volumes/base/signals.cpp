@@ -42,7 +42,7 @@ struct ChainedRemains {
 };
 std::atomic<const ChainedRemains*> g_last{nullptr};
 
-/// Those that write for us; 0: a free place. More than these are not ended.
+/// Processes that write for this one; 0: a free place. More than these are not ended.
 std::array<std::atomic<pid_t>, 64> g_processes{};
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 

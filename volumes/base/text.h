@@ -21,7 +21,7 @@ std::string exact_text(double value);
 
 /// "1,2,3".
 std::string to_text(const Vec3i& v);
-/// With six significant digits.
+/// Writes a vector with six significant digits.
 std::string to_text(const Vec3d& v);
 
 }  // namespace supple

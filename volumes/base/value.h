@@ -60,7 +60,7 @@ class Value {
   Value(List&& values) : m_data(std::move(values)) {}
   /// A table where every value is a list of a text and another value, and else a list.
   Value(std::initializer_list<Value> values);
-  /// Without anything in it.
+  /// Make an empty list and an empty table.
   static Value list() { return List(); }
   static Value table();
 
@@ -86,13 +86,13 @@ class Value {
   /// Values of a list and entries of a table; none of anything else.
   const List& items() const;
   const Entries& entries() const;
-  /// How many of these there are.
+  /// Number of items or entries.
   std::size_t size() const;
   bool empty() const { return size() == 0; }
 
   /// The value of a key, or null where there is none.
   const Value& operator[](const std::string& key) const;
-  /// Likewise, but throws std::out_of_range where there is none.
+  /// The same, but throws std::out_of_range where there is none.
   const Value& at(const std::string& key) const;
   /// A null becomes a table, and a missing key one with the value null.
   Value& operator[](const std::string& key);
@@ -117,7 +117,7 @@ class Value {
   int line() const { return m_line; }
   void set_line(int line) { m_line = line; }
 
-  /// Whatever their lines.
+  /// Compares values, whatever their lines.
   bool operator==(const Value& other) const;
   bool operator!=(const Value& other) const { return !(*this == other); }
 

@@ -24,7 +24,7 @@ inline bool is_finite(const Vec3d& v) {
 /// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
 constexpr double kMaxCoordinate = 1e9;
 
-/// Ascending x, then y, then z.
+/// True if a comes before b in the order of x, then y, then z.
 inline bool voxel_less(const Vec3i& a, const Vec3i& b) {
   if (a.x != b.x) return a.x < b.x;
   return a.y != b.y ? a.y < b.y : a.z < b.z;
