@@ -1,6 +1,6 @@
-// How far two warps lead one place apart: the endpoint error |a(x) - b(x)| in mm, at the points of
-// a grid, or at landmarks, where it is the target registration error of one against the other as
-// truth.
+// Distance between the places to which two warps lead one: the endpoint error |a(x) - b(x)| in mm,
+// at the points of a grid, or at landmarks, where it is the target registration error of one
+// against the other as truth.
 //
 // Both warps are read as `apply` reads them: trilinear between grid points, those of the border for
 // half a step beyond, and none further out.
@@ -20,16 +20,16 @@ struct EndpointErrors {
   LengthStatistics statistics;   // of all others
 };
 
-/// At the points of the grid of `a`, i fastest; `mask`: only where it is not 0. Throws InputError
-/// where the directions of the warps differ (one that records none counts as resample), and
-/// Cancelled.
+/// Compares at the points of the grid of `a`, i fastest; `mask`: only where it is not 0. Throws
+/// InputError where the directions of the warps differ (one that records none counts as resample),
+/// and Cancelled.
 EndpointErrors compare_warps(const Warp& a, const Warp& b, const LabelLookup& mask = {},
                              Progress* progress = nullptr);
-/// At places in LPS mm.
+/// Compares at places in LPS mm.
 EndpointErrors compare_warps_at(const std::vector<Vec3d>& points_lps_mm, const Warp& a,
                                 const Warp& b);
 
-/// Of two lists of points in LPS mm that belong together, of one length.
+/// Compares two lists of points in LPS mm that belong together, of one length.
 EndpointErrors compare_points(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b);
 
 }  // namespace supple
