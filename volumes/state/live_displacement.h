@@ -17,7 +17,7 @@ namespace supple {
 
 class LiveDisplacement {
  public:
-  /// At rest. `shell`: elements and shell, such as the voxels of State::density.
+  /// Begins at rest. `shell`: elements and shell, such as the voxels of State::density.
   LiveDisplacement(const Geometry& geometry, const BrickTopology& elements,
                    const BrickTopology& shell);
 

@@ -17,7 +17,7 @@ bool has_values(const std::array<BrickArray<T>, 3>& values, std::size_t b) {
                      [&](const BrickArray<T>& of_axis) { return has_values(of_axis, b); });
 }
 
-/// Whether offsets, rest stretches, velocities or cut links of a brick of elements are stored.
+/// True if a brick of elements stores offsets, rest stretches, velocities or cut links.
 bool is_changed(const State& state, std::size_t b) {
   return has_values(state.q, b) || (state.beyond && has_values(*state.beyond, b)) ||
          std::any_of(state.rest.begin(), state.rest.end(),

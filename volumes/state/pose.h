@@ -27,7 +27,7 @@ Pose invert_state(const State& state, Progress* progress = nullptr);
 Displacement on_elements(const Geometry& geometry, const BrickTopology& elements,
                          const Displacement* displacement);
 
-/// Whether a cut of the body has opened, so that the displacement jumps: samples cannot solve for
+/// True if a cut of the body has opened, so that the displacement jumps: samples cannot solve for
 /// themselves then.
 bool has_open_cuts(const State& state, const Displacement& extended);
 

@@ -29,8 +29,8 @@ constexpr std::int32_t kMaxOffset = (1 << 30) - 1;
 /// voxel, at its end at the lower index, as plastic flow left it. Stored where it flowed.
 using RestStretch = std::array<std::array<BrickValues, 3>, 3>;
 
-/// How far the offsets of elements are beyond admissible ones, 2^-16 voxel, bricks as in the
-/// elements; null where drags are to keep nothing beyond.
+/// Distance of elements' offsets beyond admissible ones, 2^-16 voxel, bricks as in the elements;
+/// null where drags are to keep nothing beyond.
 using BeyondLimits = std::shared_ptr<const std::array<BrickValues, 3>>;
 
 /// Velocities of elements along LPS x, y, z in mm/s; empty where nothing moves.
@@ -49,8 +49,8 @@ struct State {
   RestStretch rest;          // bricks as in `elements`; empty without plastic flow
   Velocities velocity_mm_s;  // bricks as in `elements`; empty unless a model of motion left some
   BeyondLimits beyond;       // of q; null unless a model without limits left links to be kept
-  /// Of a segmentation, 1 to 65535, 0 at elements without one; empty when none are in use. Bricks
-  /// as in `elements`, 0 where there is no element.
+  /// Labels of a segmentation, 1 to 65535, 0 at elements without one; empty when none are in use.
+  /// Bricks as in `elements`, 0 where there is no element.
   BrickValues labels;
   /// Rigid pieces, from 1, 0 at elements of none; empty when there are none. Bricks as in
   /// `elements`.

@@ -37,7 +37,7 @@ std::int64_t warn_of_lost_material(const std::string& path, const State& state, 
   return lost;
 }
 
-/// What is at x has come from x + o(x).
+/// Velocities of tissue in mm/s: that at x has come from x + o(x) within s seconds.
 VectorSliceSource velocities(const VectorSliceSource& offsets_mm, const Geometry& grid, double s) {
   const std::size_t count = std::size_t(grid.dims().x) * grid.dims().y;
   return [=](int k, Vec3f* out) {

@@ -17,7 +17,7 @@ struct GridChoice {
 };
 Fields fields(GridChoice& choice);
 Geometry choose_grid(const Geometry& source, const GridChoice& choice);
-/// That of its file; nothing without one.
+/// The grid of the choice's file; nothing without one.
 std::optional<Geometry> grid_of_file(const GridChoice& choice);
 
 struct WarpOutput {

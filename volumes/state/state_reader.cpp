@@ -93,7 +93,7 @@ void read_vectors(const Grid& grid, const State& state, std::array<BrickArray<T>
   }
 }
 
-/// Whether some link is cut, and a place only given for those that are. The links themselves are
+/// True if some link is cut, and a place only given for those that are. The links themselves are
 /// for check_state to judge.
 bool is_cut_record(std::int32_t bits) {
   bool is_valid = bits > 0 && bits >> place_shift(3) == 0 && (bits & 7) != 0;
@@ -144,7 +144,7 @@ void read_numbers(const openvdb::Int32Grid& grid, const State& state, bool is_pa
   }
 }
 
-/// Whether the densities of a state lie elsewhere, by its format.
+/// True if the densities of a state lie elsewhere, by its format.
 bool refers(const openvdb::MetaMap& metadata, const std::string& path) {
   const std::string format = text_of(metadata, "format", path);
   if (format == kReferringFormat) return true;

@@ -36,7 +36,7 @@ fs::path folder_of(const std::string& state_path) {
   return from_root(state_path).parent_path();
 }
 
-/// What follows the name of a file, such as a data set in it.
+/// Returns the part behind the name of a file, such as a data set in it.
 std::string within_file(const std::string& path) {
   return path.substr(file_part(path).size());
 }
@@ -65,7 +65,7 @@ std::string shown_digest(const std::string& sha256) {
   return "SHA-256 " + sha256.substr(0, kShownDigits) + "…";
 }
 
-/// Of both geometries what differs first.
+/// Returns the first difference of two geometries.
 std::pair<std::string, std::string> differing(const Geometry& found, const Geometry& expected) {
   const auto both = [](const std::string& what, const auto& a, const auto& b) {
     return std::pair<std::string, std::string>(what + " " + to_text(a), what + " " + to_text(b));

@@ -44,7 +44,7 @@ StateSource source_from_json(const std::string& text, const std::string& state_p
 void open_source(StateSource& source, const Geometry& geometry, const std::string& state_path,
                  Progress* progress = nullptr);
 
-/// Whether a state was read without the volume that it refers to (read_reachable_state).
+/// True if a state was read without the volume that it refers to (read_reachable_state).
 inline bool lacks_source(const State& state) {
   return state.source && state.source->elements.empty();
 }

@@ -55,7 +55,7 @@ void WarpJumps::add(const VectorBricks& vectors_mm) {
         ++upper[axis];
         --lower[axis];
         if (box.contains(upper)) add_pair(own, vector_at(upper), axis);
-        // That of a brick that is not stored would not come otherwise.
+        // The pair with a lower voxel whose brick is not stored is counted nowhere else.
         if (box.contains(lower) && bricks.find(lower) < 0) add_pair(Vec3f(0), own, axis);
       }
     }

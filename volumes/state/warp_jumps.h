@@ -1,5 +1,5 @@
-// How smooth the vectors of a dense warp are, found while it is written.
-// Cost: a copy of one slice.
+// Smoothness of the vectors of a dense warp, found while it is
+// written.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ class WarpJumps {
  public:
   explicit WarpJumps(const Geometry& grid);
   void add(const Vec3f* slice);
-  /// In place of all slices: vectors in mm that are 0 but in these bricks.
+  /// Stands in place of all slices: takes vectors in mm that are 0 but in these bricks.
   void add(const VectorBricks& vectors_mm);
 
   /// Largest length of the difference of two neighbours' vectors.
