@@ -18,13 +18,13 @@ struct MethodChoice {
 /// Neither drawings nor held-out loads count.
 std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows);
 
-/// Ascending; of equal ones the order stays.
+/// Sorts by ascending time; of equal ones the order stays.
 void sort_by_time(std::vector<MethodChoice>& choices);
 
-/// None where the fastest takes longer; of equal errors the faster.
+/// Returns none where the fastest takes longer; of equal errors the faster.
 std::optional<MethodChoice> most_exact_within(const std::vector<MethodChoice>& choices,
                                               double solve_s);
-/// None where no error is so small.
+/// Returns none where no error is so small.
 std::optional<MethodChoice> fastest_to(const std::vector<MethodChoice>& choices, double error_mm);
 
 /// "100ms", "2s", "1.5min" in s; "0.5mm" in mm. Throws InputError with the field.

@@ -9,8 +9,8 @@ namespace supple::tools {
 
 std::vector<std::string> shipped_methods();
 
-/// Of one of them, to be expected at the 95th percentile where the longest way of a handle is
-/// `way_mm`; the worst of all loads.
+/// Error of one of them that is expected at the 95th percentile where the longest way of a handle
+/// is `way_mm`; the worst of all loads.
 double shipped_error_mm(const std::string& method, double way_mm);
 
 }  // namespace supple::tools

@@ -105,7 +105,7 @@ const std::vector<Column>& columns_of_rows() {
   return columns;
 }
 
-/// As RFC 4180: quoted where it has to be, quotes doubled.
+/// Writes a field as RFC 4180 says: quoted where it has to be, quotes doubled.
 std::string csv_field(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";

@@ -8,7 +8,7 @@
 
 namespace supple::tools {
 
-/// Of repeated measurements.
+/// Spread of repeated measurements.
 struct Spread {
   double least = 0, median = 0, most = 0;
 };
@@ -33,7 +33,7 @@ struct TradeRow {
   double p50_mm = 0, p95_mm = 0, max_mm = 0;
   double volume_percent = 0;  // change of the body's volume
   double energy_uj = 0;       // of the links' springs, the reference's material (docs/tradeoff.md)
-  /// Of a drawing, against the picture of the reference.
+  /// Errors of a drawing against the picture of the reference.
   double rmse = 0, ssim = 0;
   std::string warning;  // all of the last run
   std::string version, command;

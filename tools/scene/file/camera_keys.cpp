@@ -9,12 +9,12 @@ namespace supple::tools {
 
 namespace {
 
-/// What a camera table may say of a position.
+/// Keys of a camera table that say its position.
 struct CameraPosition {
   std::optional<Vec3d> position, target, up;
   std::optional<double> fov, height;
 
-  /// Whether there is more than a named view may have.
+  /// True if there is more than a named view may have.
   bool is_given() const { return position || target || up; }
 };
 

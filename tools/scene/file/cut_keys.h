@@ -8,9 +8,9 @@
 
 namespace supple::tools {
 
-/// Of a table `plane` of a cut.
+/// Keys of a table `plane` of a cut.
 Fields plane_fields(CutSurface& surface);
-/// Of a table `curve` of a cut, but for its points; `surface.curve` must be there.
+/// Keys of a table `curve` of a cut, but for its points; `surface.curve` must be there.
 Fields curve_fields(CutSurface& surface);
 
 /// Throws InputError at `edge2` where the edges of a patch are parallel or 0.

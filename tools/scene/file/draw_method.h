@@ -1,4 +1,4 @@
-// How the views of a scene are drawn, by a name in place of what they say: "draw-newton:0.5" solves
+// Method by which the views of a scene are drawn, in place of their own: "draw-newton:0.5" solves
 // for the source of every sample, half a voxel apart. Everything else of the views stays.
 #pragma once
 
@@ -18,7 +18,7 @@ const std::vector<DrawFamily>& draw_families();
 /// Throws InputError as parse_knob.
 DrawMethod parse_drawing(const std::string& text);
 
-/// Whether a view is drawn by rays, so that the method matters.
+/// True if a view is drawn by rays, so that the method matters.
 bool is_drawn_by_rays(const SceneView& view);
 
 void draw_by(Scene& scene, const DrawMethod& method);

@@ -16,7 +16,7 @@ struct Film {
   std::vector<int> frames_to_make;  // ascending; all unless the command says so
   bool makes_videos = true;
 
-  /// Of a frame, as keys have it.
+  /// Time of a frame, as keys have it.
   double time_of(int frame) const { return counts_frames ? frame : frame / frames_per_second; }
   /// Frames until a time, that included.
   int frames_until(double time) const;

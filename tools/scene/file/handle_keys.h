@@ -14,13 +14,13 @@ namespace supple::tools {
 /// Corners in any order, "[i, j, k]" or "[i0, j0, k0, i1, j1, k1]".
 IndexBox to_box(Table& table, const std::string& key, const std::vector<double>& row);
 
-/// By number or by name.
+/// Reads labels by number or by name.
 std::optional<std::int32_t> read_label(Table& table, const std::string& key,
                                        const LabelNames& names);
 std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
                                       const LabelNames& names);
 
-/// Whether the table has a key of a handle: the short form of a step.
+/// True if the table has a key of a handle: the short form of a step.
 bool has_handle(Table& table);
 /// Throws InputError unless it grabs one thing and says how that moves.
 PlacedHandle read_handle(Table& table, const LabelNames& names);

@@ -51,7 +51,7 @@ Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved,
                 Progress& progress);
 /// The same of a pose that nothing else needs: at no time both are whole.
 Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Progress& progress);
-/// Of a state; without functions the result of invert_state().
+/// Inverts and sends the offsets of a state along; without functions as invert_state() does.
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,
                            Progress& progress);
 OffsetField send_along(const std::vector<OffsetFunction>& functions, const OffsetField& moved,

@@ -32,7 +32,7 @@ RelaxParams read_relax(Table& table) {
   return params;
 }
 
-/// What is removed and what is rigid.
+/// Reads the removed and the rigid parts.
 void read_parts(Table& table, const LabelNames& names, Step& step) {
   for (Table& part : table.table_or_tables("remove")) {
     step.remove.push_back(read_part(part, names));
@@ -164,7 +164,7 @@ void ask_for_elements(Scene& scene) {
   }
 }
 
-/// Of a key, if it has one.
+/// Lengthens the film to the time of a key, unless it has a number of frames.
 void stretch(Film& film, bool has_frames, double time) {
   if (!has_frames) film.frames = std::max(film.frames, film.frames_until(time));
 }
@@ -224,7 +224,7 @@ void require_film(const Scene& scene) {
   }
 }
 
-/// What results depend on, but for the contents of the volume, its labels and meshes.
+/// Describes all that results depend on, but for the contents of the volume, its labels and meshes.
 std::string description_of(const Scene& scene, const std::string& text) {
   std::string all = text;
   if (scene.material) all += material_to_toml(*scene.material);

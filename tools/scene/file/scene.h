@@ -40,7 +40,7 @@ struct Scene {
   std::vector<std::string> outputs() const;
   /// The files of one frame of a film. An output without a number is of the last one.
   std::vector<std::string> outputs_of(int frame) const;
-  /// Whether the frames of a film are those of the motion in time of its last step.
+  /// True if the frames of a film are those of the motion in time of its last step.
   bool films_motion() const;
   /// Steps before the first whose handles follow a path: the same in all frames.
   std::size_t still_steps() const;
@@ -53,8 +53,8 @@ struct StepKeys {
   StepModel model = StepModel::ecm;
   std::optional<NumberPair> fix_density;  // an anchor
 };
-/// Of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax, springs,
-/// fem.
+/// Keys of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax,
+/// springs, fem.
 Fields fields(Step& step, StepKeys& keys);
 
 /// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.

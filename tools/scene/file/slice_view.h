@@ -38,10 +38,10 @@ SliceChoice placed_slice(const SliceChoice& choice, const Geometry& geometry);
 SliceChoice effective_slice(const SliceChoice& choice, const Geometry& geometry,
                             const DensityGrid& density);
 
-/// How densities between voxels are read, in slices and pictures in space.
+/// Key for how densities between voxels are read, in slices and pictures in space.
 Field sampling_field(Interpolation& interpolation);
 
-/// Of `slice = { … }` in a [[view]].
+/// Keys of `slice = { … }` in a [[view]].
 Fields fields(SliceChoice& choice);
 
 /// Reads the files that the choice names. Throws InputError: as a volume file, and settings that

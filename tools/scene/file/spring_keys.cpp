@@ -75,7 +75,7 @@ Shape read_shape(Table& table) {
   return MeshShape{std::make_shared<MeshSurface>(read_mesh(path))};
 }
 
-/// Of a table `contact`, but for its shape.
+/// Keys of a table `contact`, but for its shape.
 Fields contact_fields(DrivenCollider& driven) {
   return {
       Field("by", driven.by_mm, "How far the shape goes, in LPS mm"),

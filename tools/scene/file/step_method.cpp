@@ -173,7 +173,7 @@ void choose_links(MaterialTable& material, const StepMethod& method) {
   material.links = method.family->links == kKnobLinks ? int(method.knob) : method.family->links;
 }
 
-/// What the scene says of the step's solver goes, for steps without anything else altogether.
+/// Drops the scene's solver of the step; false for steps without anything else altogether.
 bool take_loads_alone(Step& step) {
   const std::optional<FemStep> fem = step.fem;
   step.relax.reset();

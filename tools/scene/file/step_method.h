@@ -1,6 +1,6 @@
-// How the steps of a scene are solved, by a name in place of what the scene says: "relax-26:64" is
-// Enhanced ChainMail with 26 links, then 64 passes of relaxation. Loads, anchors, cuts, views and
-// outputs stay those of the scene, so that methods are compared under one load.
+// Method by which the steps of a scene are solved, in place of its own: "relax-26:64" is Enhanced
+// ChainMail with 26 links, then 64 passes of relaxation. Loads, anchors, cuts, views and outputs
+// stay those of the scene, so that methods are compared under one load.
 #pragma once
 
 #include "tools/scene/file/knob_family.h"

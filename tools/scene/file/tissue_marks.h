@@ -32,14 +32,14 @@ struct TissueMarks {
   std::shared_ptr<const Volume> overlay_volume;
 };
 
-/// Of a [[view]] and of its slice.
+/// Keys of a [[view]] and of its slice.
 Fields fields(TissueMarks& marks);
 
 /// Reads the files that are named. Throws InputError: as a volume file, a range that does not
 /// ascend, with `place`.
 void read_marks(TissueMarks& marks, const std::string& place);
 
-/// As they are recorded: files by their names alone.
+/// Returns the marks as they are recorded: files by their names alone.
 TissueMarks recorded(TissueMarks marks);
 
 }  // namespace supple::tools

@@ -12,7 +12,7 @@ namespace supple::tools {
 
 namespace {
 
-/// What is read and written as one number.
+/// A part of a function that is read and written as one number.
 struct Scalar {
   const char* key;
   double TransferFunction::*value;

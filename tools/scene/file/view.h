@@ -27,7 +27,7 @@ struct ClipChoice {
   std::optional<std::pair<Vec3d, Vec3d>> voxel_corners;
 };
 
-/// How rays are sampled, as given; by default as RenderSettings says.
+/// Sampling of rays as given; by default as RenderSettings says.
 struct Sampling {
   Quality quality = Quality::standard;
   std::optional<double> step_voxels;                    // instead of the quality's
@@ -38,7 +38,7 @@ struct Sampling {
   void apply_to(RenderSettings& settings) const;
 };
 
-/// Whose program casts the rays of a picture.
+/// The program that casts the rays of a picture.
 enum class Caster { supple, vtk };
 
 struct SceneView {
@@ -70,9 +70,9 @@ struct SceneView {
   std::optional<int> after_step;     // 0: before the first; absent: after the last
 };
 
-/// Of a table `clip`, but for its region: a plane or a box.
+/// Keys of a table `clip`, but for its region: a plane or a box.
 Fields fields(Clip& clip);
-/// Of a [[view]], but for its tables: camera, clip, light, mesh, path, slice.
+/// Keys of a [[view]], but for its tables: camera, clip, light, mesh, path, slice.
 Fields fields(SceneView& view);
 
 /// A table [[view]] of a scene with that many steps. Throws InputError as Table does.

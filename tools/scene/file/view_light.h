@@ -24,9 +24,9 @@ struct MeshChoice {
 
 /// Shading, shadows and ambient occlusion of a view; `light` is a list of tables.
 Fields fields(Lighting& lighting);
-/// Of a table `light`.
+/// Keys of a table `light`.
 Fields fields(Light& light);
-/// Those of a table `mesh`, its path apart.
+/// Keys of a table `mesh`, its path apart.
 Fields fields(MeshChoice& choice);
 /// The key light of a view. Throws InputError.
 std::vector<Light> read_lights(Table& table);

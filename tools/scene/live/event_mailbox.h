@@ -45,7 +45,7 @@ class EventMailbox {
   std::optional<PostedEvent> take_look();
   /// Takes the events out that wait and may move the body; tasks and what only looks stay.
   std::vector<LiveEvent> drop_moves();
-  /// Whether something waits that may move the body.
+  /// True if something waits that may move the body.
   bool moves_wait() const { return m_moves > 0; }
   bool is_closed() const;
 

@@ -8,7 +8,7 @@ namespace supple::tools {
 
 namespace {
 
-/// Of a handle's or a step's keys those that say what it takes hold of.
+/// Returns those keys of a handle or a step that say what it takes hold of.
 Value selection_keys(const Value& all) {
   std::vector<std::string> names = {"grab", "grab_box", "at_mm",       "points", "grab_label",
                                     "soft", "push",     "spare_fixed", "slide"};
@@ -34,7 +34,7 @@ HeldPart anchor_of(const IndexBox& box) {
   return anchor_of(given, {{"grab_box", box}});
 }
 
-/// As it is held, without what moved it.
+/// Returns the part as it is held, without what moved it.
 HeldPart handle_of(const PlacedHandle& moved, const Value& keys) {
   HeldPart part;
   static_cast<PlacedSelection&>(part.given) = moved;

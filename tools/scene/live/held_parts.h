@@ -1,4 +1,4 @@
-// What the steps of a live session hold and fix, one by one, as people let go of them.
+// Parts that the steps of a live session hold and fix, one by one, as people let go of them.
 #pragma once
 
 #include "tools/scene/live/live_session.h"

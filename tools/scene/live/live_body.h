@@ -21,25 +21,25 @@ namespace supple::tools {
 
 class LiveBody {
  public:
-  /// Of the session as it is now. Refers to it and to `progress`.
+  /// Makes the body of the session as it is now. Refers to it and to `progress`.
   LiveBody(Session& session, Interpolation interpolation, Progress& progress);
 
-  /// All that depends on which voxels are elements.
+  /// Reads all that depends on which voxels are elements.
   void open(Interpolation interpolation);
   Interpolation interpolation() const { return m_interpolation; }
-  /// How often it was opened: each time it has another renderer.
+  /// Number of times that it was opened: each time it has another renderer.
   int opened_count() const { return m_opened_count; }
-  /// Takes over what the session has done since; whether that is anything.
+  /// Takes over what the session has done since; false where that is nothing.
   bool follow();
 
-  /// What the renderer reads from now on, up to date.
+  /// Choose the field that the renderer reads from now on, and bring it up to date.
   void show_forward();
   void show_inverse(OffsetResolution resolution);
   void show_rest();
-  /// What show_forward() and show_inverse() are likely to take, by what they took before.
+  /// Times that show_forward() and show_inverse() are likely to take, by what they took before.
   double forward_ms() const { return m_forward_brick.of(double(m_for_forward.size())); }
   double inverse_ms() const { return m_inverse_brick.of(double(changed_bricks())); }
-  /// That show_inverse() has not taken over.
+  /// Number of changed bricks that show_inverse() has not taken over.
   std::size_t changed_bricks() const { return m_for_inverse.size(); }
   /// Samples do not solve across cuts.
   bool needs_inverse() const { return !m_cuts.empty(); }
@@ -78,7 +78,7 @@ class LiveBody {
   CostPer m_forward_brick{0.02}, m_inverse_brick{0.08};
 };
 
-/// Where what is seen was at rest, as the body shows it now; valid until it moves or is shown
+/// Tells where what is seen was at rest, as the body shows it now; valid until it moves or is shown
 /// otherwise.
 RestPlaceAt rest_places(LiveBody& body);
 

@@ -4,8 +4,8 @@
 
 namespace supple::tools {
 
-/// Of the next step. It follows from the events as a journal has them, in which a relaxation is as
-/// many as it had slices, and what settles drags is a step of its own.
+/// Number of the next step's stroke. It follows from the events as a journal has them, in which a
+/// relaxation is as many as it had slices, and what settles drags is a step of its own.
 int LiveSession::stroke_of(EventKind kind, const Step& step) {
   const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
   const bool settles = step.turn_pieces || (step.fem && step.handles.empty());

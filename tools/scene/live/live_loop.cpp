@@ -17,13 +17,13 @@ using namespace std::chrono_literals;
 constexpr auto kPatience = 100ms;
 /// Slices that take less leave slices of volumes and better pictures for later.
 constexpr auto kShort = 400ms;
-/// Without events, before a slice begins again that gave way to one.
+/// Pause without events before a slice begins again that gave way to one.
 constexpr auto kRest = 500ms;
-/// Without events, before a picture settles while something is grabbed: it may take an inverse, and
-/// the hand would wait for that.
+/// Pause without events before a picture settles while something is grabbed: it may take an
+/// inverse, and the hand would wait for that.
 constexpr auto kStill = 150ms;
-/// Of the budget that a picture has in any case: it is late rather than blurred where solving took
-/// long.
+/// Part of the budget that a picture has in any case: it is late rather than blurred where solving
+/// took long.
 constexpr double kLeastOfPicture = 0.5;
 
 }  // namespace
@@ -158,7 +158,7 @@ void LiveLoop::look_meanwhile(EventMailbox& mailbox, bool all) {
   }
 }
 
-/// After an event or task; never once none can come any more.
+/// True soon after an event or task; false once none can come any more.
 bool LiveLoop::is_soon_after(Clock::duration pause, const EventMailbox& mailbox) const {
   return Clock::now() < m_last_event + pause && !mailbox.is_closed();
 }
@@ -220,7 +220,7 @@ void LiveLoop::go_on_in_slice(EventMailbox* mailbox) {
   m_live.go_on(&progress);
 }
 
-/// Nothing where nothing has changed. Time that passed in a slice is not at the picture's expense.
+/// Draws nothing where nothing has changed. Time in a slice is not at the picture's expense.
 void LiveLoop::draw(const Stopwatch& since_event) {
   const Stopwatch preparing;
   if (!(m_is_moving ? m_picture.follow_view() : m_picture.follow())) return;

@@ -18,14 +18,14 @@ namespace supple::tools {
 /// first_pixels: from the event to the picture of it; refined: from there to the settled one.
 enum class LivePhase { solve, prepare, frame, first_pixels, refined };
 
-/// What a loop tells; called from the thread that runs it.
+/// Listener of a loop; called from the thread that runs it.
 class LoopWatcher {
  public:
   virtual ~LoopWatcher() = default;
   virtual void spent(LivePhase, const Stopwatch&) {}
-  /// Before an event that may move the body or a slice of relaxation is carried out.
+  /// Called before an event that may move the body or a slice of relaxation is carried out.
   virtual void begins() {}
-  /// Before that; throws InputError where the event is not to be done.
+  /// Called before begins(); throws InputError where the event is not to be done.
   virtual void check(const LiveEvent&) {}
   virtual void carried_out(const LiveEvent&) {}
   /// A slice is done, or has given way.
@@ -42,7 +42,7 @@ class LoopWatcher {
   virtual bool has_later_work() const { return false; }
 };
 
-/// How a page wants to see it, whatever the events say.
+/// Size, pose and budget of the frames that a page wants, whatever the events say.
 struct LiveFrame {
   PixelSize size{512, 512};
   bool deformed = true;
@@ -55,13 +55,13 @@ class LiveLoop {
   LiveLoop(LiveSession& live, const LiveFrame& frame, LoopWatcher& watcher, Progress& listener,
            Progress* progress = nullptr);
 
-  /// From another thread: something has been posted.
+  /// Called from another thread: something has been posted.
   void interrupt() { m_picture.interrupt(); }
 
-  /// The body as it was opened, settled.
+  /// Draws the body as it was opened, settled.
   void settle();
-  /// Until the mailbox is closed and all is done, or leave(). Throws Cancelled when the console
-  /// says so, and what an event throws that the watcher does not put up with.
+  /// Runs until the mailbox is closed and all is done, or leave(). Throws Cancelled when the
+  /// console says so, and what an event throws that the watcher does not put up with.
   void run(EventMailbox& mailbox);
   /// run() returns after the task that calls this.
   void leave() { m_leaves = true; }

@@ -100,13 +100,13 @@ void LivePicture::Impl::replace(std::unique_ptr<ProgressiveRender> next) {
   progressive = std::move(next);
 }
 
-/// Where another view or another renderer is shown.
+/// Drops all pictures where another view or another renderer is shown.
 void LivePicture::Impl::drop_pictures() {
   replace({});
   finished.reset();
 }
 
-/// Before another picture is begun.
+/// Keeps a finished picture before another one is begun.
 void LivePicture::Impl::keep_finished() {
   const std::lock_guard lock(guard);
   if (progressive && progressive->finished()) {
@@ -139,7 +139,7 @@ std::optional<FloatImage> LivePicture::Impl::followed(double left_ms, LiveCost& 
   const auto takes = [&](int spacing) { return followed_pixel.of(pixels / (spacing * spacing)); };
   int spacing = 1;
   if (takes(1) > left_ms - begin_ms) spacing = std::min(kCoarsest, next.next_spacing());
-  // Where most of it has changed, a smaller picture is smoother.
+  // A smaller picture is smoother where most of it has changed.
   const bool is_rough = spacing > 1 && is_most(pixels);
   const bool is_late = is_rough || takes(spacing) > left_ms - begin_ms;
   const Stopwatch marching;
@@ -223,7 +223,7 @@ bool LivePicture::follow_view() {
   return true;
 }
 
-/// Of width and height.
+/// Part of width and height that can be drawn in that time.
 double LivePicture::Impl::part_within(double rays_ms, const CostPer& pixel) const {
   const double pixels = double(view.size[0]) * view.size[1];
   return std::clamp(std::sqrt(std::max(rays_ms, 0.0) / std::max(pixel.of(pixels), 1e-9)), kSmallest,
@@ -234,13 +234,13 @@ bool LivePicture::Impl::is_most(double pixels) const {
   return pixels > kMostFollowed * view.size[0] * view.size[1];
 }
 
-/// Of a few pixels most is what a pass takes in any case.
+/// Leaves out passes of few pixels, most of whose time any pass takes.
 void LivePicture::Impl::add_followed(double march_ms, double pixels) {
   constexpr double kMany = 1000;
   if (pixels >= kMany) followed_pixel.add(march_ms, pixels);
 }
 
-/// Whether changes of the inverse are told to the renderer, and the light of a pixel by its ray.
+/// True if the renderer is told of changes of the inverse and a pixel's light is that of its ray.
 bool LivePicture::Impl::can_follow() const {
   return !view.half_offsets && !view.lighting.has_paths();
 }

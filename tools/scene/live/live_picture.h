@@ -17,7 +17,7 @@
 
 namespace supple::tools {
 
-/// What the last first_pixels() did.
+/// Cost of the last first_pixels().
 struct LiveCost {
   double prepare_ms = 0;      // from the solver's offsets to what rays read
   double frame_ms = 0;        // what a frame takes whatever its size
@@ -29,7 +29,7 @@ struct LiveCost {
 
 class LivePicture {
  public:
-  /// Of the session as it is now. Refers to it and the listener. Throws as look().
+  /// Draws the session as it is now. Refers to it and the listener. Throws as look().
   LivePicture(Session& session, const SceneView& view, Progress& listener);
   ~LivePicture();
 
@@ -47,15 +47,15 @@ class LivePicture {
   /// for more pixels in `budget_ms` (0: however long it takes), counted from here; where neither
   /// leaves any, whichever is sooner.
   void prepare(double budget_ms);
-  /// After prepare(): a picture within about `budget_ms`, of the view's size or smaller.
+  /// Called after prepare(): a picture in about `budget_ms`, of the view's size or smaller.
   Image first_pixels(double budget_ms);
   const LiveCost& cost() const { return m_cost; }
 
   /// A step towards the settled picture: what it reads, then its pixels; false when it is settled.
   bool refine();
-  /// From another thread: refine() returns soon.
+  /// Called from another thread: refine() returns soon.
   void interrupt();
-  /// Complete; empty before refine() says so.
+  /// The complete picture; empty before refine() says so.
   const std::optional<Image>& settled() const { return m_settled; }
 
   /// The settled picture of the view with another camera or size, whatever is being refined. Throws
@@ -66,13 +66,13 @@ class LivePicture {
   const SceneView& view() const;
   const Renderer& renderer() const;
   const State& opened() const;
-  /// Where what is seen was at rest, valid until the body moves or is seen otherwise; null: nothing
+  /// Tells where what is seen was at rest until the body moves or is seen otherwise; null: nothing
   /// has moved. `exact`: by the inverse, which is brought up to date; else as is sooner.
   RestPlaceAt rest_places(bool exact);
   const Displacement& displacement() const;
   /// The longest displacement.
   double longest_mm() const;
-  /// What it keeps in memory, in bytes.
+  /// Memory that it keeps, in bytes.
   struct Memory {
     std::size_t source = 0, displacement = 0, offsets = 0;
   };

@@ -1,5 +1,5 @@
-// What a live session writes down: a journal of its events, as they happen and as a whole, and a
-// scene of the steps that have not been taken back.
+// Records of a live session: a journal of its events, as they happen and as a whole, and a scene of
+// the steps that have not been taken back.
 #include "tools/scene/live/live_record.h"
 
 #include <filesystem>

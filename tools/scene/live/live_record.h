@@ -1,4 +1,4 @@
-// What a live session writes down of the file that it was opened from.
+// Record of the file that a live session was opened from.
 #pragma once
 
 #include "tools/scene/live/live_session.h"

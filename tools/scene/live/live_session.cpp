@@ -13,7 +13,7 @@ namespace supple::tools {
 
 namespace {
 
-/// As in a scene, not as records name them.
+/// Returns keys as in a scene, not as records name them.
 Value relax_keys(RelaxParams params) {
   Value keys;
   for (const Field& field : fields(params)) {
@@ -153,8 +153,8 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
   record(event);
 }
 
-/// From where the handle has got to, so that one that an anchor stopped follows at once when it
-/// is led back.
+/// Drags from where the handle has got to, so that one that an anchor stopped follows at once when
+/// it is led back.
 void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   if (!m_grab) {
     throw InputError({event.place, "drag", "nothing that is grabbed", "grab or push before it"});

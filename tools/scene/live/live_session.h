@@ -25,18 +25,18 @@ class LiveSession {
   /// events(). Throws InputError as read_scene and Session, and where it has both.
   LiveSession(const Table& root, Progress* progress);
 
-  /// Those of a journal; of a scene its steps, each as one event.
+  /// Events of a journal; of a scene its steps, each as one event.
   const std::vector<LiveEvent>& events() const { return m_events; }
 
   /// Does what the event says; of a relaxation its first passes, see has_more(). Throws InputError
   /// with the event's place, and Cancelled: nothing has changed then.
   void carry_out(const LiveEvent& event, Progress* progress = nullptr);
-  /// Whether drags are still to be settled, by turns of pieces or finite elements, or tissue to
+  /// True if drags are still to be settled, by turns of pieces or finite elements, or tissue to
   /// relax; any event but those of the view ends it.
   bool has_more() const { return m_is_unsettled || m_pending > 0; }
-  /// Whether the first of it settles drags, which may take long.
+  /// True if the first of it settles drags, which may take long.
   bool is_unsettled() const { return m_is_unsettled; }
-  /// A slice of that. Throws Cancelled: it is still to be done.
+  /// Does a slice of it. Throws Cancelled: it is still to be done.
   void go_on(Progress* progress = nullptr);
   void stop();
   /// Passes of relaxation that are still to be done.
@@ -44,7 +44,7 @@ class LiveSession {
 
   Session& session() { return *m_session; }
   const Scene& scene() const { return m_scene; }
-  /// As the events so far ask for it.
+  /// The view that the events so far ask for.
   const SceneView& view() const { return m_view; }
   /// The look that a session begins with whose file has none, as if the file had it.
   void begin_with_look(const std::string& preset);
@@ -77,10 +77,10 @@ class LiveSession {
   };
   const std::vector<DoneLook>& looks() const { return m_looks; }
   const std::vector<DoneLook>& undone_looks() const { return m_undone_looks; }
-  /// What is grabbed, and how far it has come, as `to` counts.
+  /// The grabbed part, and how far it has come, as `to` counts.
   const std::optional<LiveEvent>& grabbed() const { return m_grab; }
   const Vec3d& reached() const { return m_reached; }
-  /// Where the last drag was to lead what is or was grabbed last, and where it led it; counted as
+  /// Aim of the last drag for what is or was grabbed last, and where it led it; counted as
   /// `to`.
   struct LedDrag {
     Vec3d asked{0, 0, 0}, reached{0, 0, 0};
@@ -88,13 +88,13 @@ class LiveSession {
     std::int64_t moved = 0;  // elements, at most by one drag since the grab
   };
   const std::optional<LedDrag>& led() const { return m_led; }
-  /// Whether one handle or anchor may be let go of while others stay: not beside fixed labels and
+  /// True if one handle or anchor may be let go of while others stay: not beside fixed labels and
   /// points, nor where the opened state fixes elements.
   bool can_let_go_of_one() const;
   Limits limits() const { return m_limits; }
   StepModel model() const;
 
-  /// What was carried out, as a file that replays to the same state.
+  /// The events that were carried out, as a file that replays to the same state.
   Value journal() const;
   /// The steps that are not taken back, as a scene that `supple run` brings to the same state.
   Value batch_scene() const;

@@ -1,4 +1,4 @@
-// How a live session is looked at: the view that a file begins with, and the events that change it.
+// Looks at a live session: the view that a file begins with, and the events that change it.
 #include "tools/scene/live/live_view.h"
 
 #include "tools/scene/live/live_record.h"
@@ -77,7 +77,7 @@ void LiveSession::begin_with_look(const std::string& preset) {
   m_first_view_keys = m_view_keys;
 }
 
-/// Of cameras in a row the last says it all, and of looks or clips the last of one step.
+/// Records the last of cameras in a row alone, and of looks or clips the last of one step.
 void LiveSession::change_view(const LiveEvent& event) {
   const Value before = part_of(m_view_keys, event.kind);
   set_part_of_view(event.kind, event.keys, event.place);

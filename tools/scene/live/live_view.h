@@ -1,4 +1,4 @@
-// Which view of a scene a live session shows.
+// Choice of the view of a scene that a live session shows.
 #pragma once
 
 #include "tools/scene/file/scene.h"

@@ -1,4 +1,4 @@
-// What moving every node takes, told before it is paid, and the model with which a session begins.
+// Price of moving every node, told before it is paid, and the model with which a session begins.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ struct ModelPrice {
   double seconds = 0;
 };
 
-/// By plans at this machine's costs; none where the event chooses ChainMail.
+/// Plans at this machine's costs; none where the event chooses ChainMail.
 std::optional<ModelPrice> price_of(const LiveEvent& model, const Session& session);
 
 /// An event that chooses finite elements for a picture, of a volume whose material has a stiffness.

@@ -20,8 +20,8 @@ struct ReplayOptions {
 };
 Fields fields(ReplayOptions& options);
 
-/// How many pictures of a film show the body as it was opened, and what each event leads to. Events
-/// come at the journal's times, pauses of more than a second last one; of events between two
+/// Numbers of pictures of a film that show the body as it was opened, and what each event leads to.
+/// Events come at the journal's times, pauses of more than a second last one; of events between two
 /// pictures the last is seen, but those of one time have a picture each. The end stays for a
 /// second.
 std::vector<int> film_frames(const std::vector<LiveEvent>& events, double frames_per_second,
@@ -53,7 +53,7 @@ class Replay final : public LoopWatcher {
 
   /// Carries out all events. `compares`: first pixels with what they become.
   void run(bool compares);
-  /// As many pictures as a film of the events has. Throws InputError for more than kMostFrames.
+  /// Number of pictures of a film of the events. Throws InputError for more than kMostFrames.
   int film_length() const;
   /// Carries out all events, one after the other, and hands on settled pictures as film_frames().
   void film(const std::function<void(const Image&)>& add);

@@ -23,7 +23,7 @@ void require_numbers(const Value& value) {
   numbers_of(value);
 }
 
-/// Of a recorded drag what it took hold of.
+/// Returns the keys of a recorded drag that say what it took hold of.
 Value handle_of(const Value& drag) {
   Value keys = Value::table();
   for (const char* key : {"grab", "grab_box", "grab_ball", "radius", "grab_label", "grab_density",

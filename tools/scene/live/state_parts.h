@@ -1,4 +1,4 @@
-// What a state that is continued has held, fixed and cut, as its file records it.
+// Parts that a continued state has held, fixed and cut, as its file records them.
 #pragma once
 
 #include <optional>

@@ -71,7 +71,7 @@ std::string anchor_text(const LiveSession::DoneStep& done) {
   return anchors.is_table() ? "anchor at " + place_text(anchors) : "anchors";
 }
 
-/// Of a step of a scene, by what it does first.
+/// Names a step of a scene by what it does first.
 std::string scene_step_text(const LiveSession::DoneStep& done) {
   const Step& step = done.step;
   if (step.release) return release_text(step);

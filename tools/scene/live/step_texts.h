@@ -1,4 +1,4 @@
-// What steps did, in the words of a history: kind, millimetres and place.
+// Descriptions of steps in the words of a history: kind, millimetres and place.
 #pragma once
 
 #include "tools/scene/live/live_session.h"

@@ -11,7 +11,7 @@
 
 namespace supple::tools {
 
-/// From its start to its end.
+/// Cost of a process from its start to its end.
 struct ProcessCost {
   double wall_ms = 0;
   /// The largest resident size. Absent when it was not above that of this program, which Linux
@@ -60,7 +60,7 @@ class VirtualDisplay {
  public:
   /// True with Xvfb.
   static bool is_installed();
-  /// For any number of programs, or one, with which it goes. Throws Error when it does not come up.
+  /// Serves all programs, or one, with which it goes. Throws Error when it does not come up.
   explicit VirtualDisplay(bool is_for_one = false);
 
   /// "DISPLAY=:N".

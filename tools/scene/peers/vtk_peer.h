@@ -51,7 +51,7 @@ class VtkPeer {
 };
 
 /// A view of the volume in a MetaImage file whose axes are those of the world, as VtkPeer draws it.
-/// Of the settings it takes the size and the lights. On black, unless it is transparent.
+/// Takes the size and the lights of the settings. On black, unless it is transparent.
 Value vtk_job(const std::string& volume, const Camera& camera, const TransferFunction& function,
               const RenderSettings& settings, int threads, bool is_transparent = false);
 

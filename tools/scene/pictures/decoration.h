@@ -12,11 +12,11 @@ struct Decoration {
   std::string background;             // empty: transparent, of slices black
   std::vector<std::string> annotate;  // names of annotation_names(), or "all"
 
-  /// Whether it asks for an annotation, by its name or as one of all.
+  /// True if it asks for an annotation, by its name or as one of all.
   bool shows(const std::string& annotation) const;
 };
 
-/// Of a [[view]], with slices or in space.
+/// Keys of a [[view]], with slices or in space.
 Fields fields(Decoration& decoration);
 
 /// Throws InputError: no background, or an annotation that slices (or pictures in space) lack.

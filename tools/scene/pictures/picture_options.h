@@ -1,5 +1,5 @@
-// How the pictures of a view are made and filed: kinds of files, pictures beside the main one,
-// stereo, turntables and sequences.
+// Options for making and filing the pictures of a view: kinds of files, pictures beside the main
+// one, stereo, turntables and sequences.
 #pragma once
 
 #include <algorithm>
@@ -27,21 +27,21 @@ struct PictureOptions {
   int film = 0;       // frames of the scene's film; 0: none
 
   bool is_series() const { return turntable > 0 || sequence > 0 || film > 0; }
-  /// Whether `aux` has the name.
+  /// True if `aux` has the name.
   bool shows(const std::string& channel) const;
-  /// Those of `aux` that become pictures beside the main one.
+  /// Names of `aux` that become pictures beside the main one.
   std::vector<std::string> maps() const;
   int frame_count() const { return std::max({1, turntable, sequence, film}); }
-  /// Of the displacement, in picture n: 1 but in a sequence.
+  /// Fraction of the displacement in picture n: 1 but in a sequence.
   double fraction_at(int n) const;
 };
 
 constexpr int kMostFrames = 10000;
 
-/// By the extension. Throws InputError for another than .png, .exr, .mp4, .webm and .avi.
+/// Finds it by the extension. Throws InputError for another than .png, .exr, .mp4, .webm and .avi.
 PictureKind picture_kind(const std::string& path);
 
-/// Of a [[view]].
+/// Keys of a [[view]].
 Fields fields(PictureOptions& options);
 
 /// Throws InputError naming `place`: values out of range, settings that do not go together, a name
@@ -49,7 +49,7 @@ Fields fields(PictureOptions& options);
 void check_picture_options(const PictureOptions& options, const std::string& image,
                            const std::string& place);
 
-/// Whether there is a place for a number, %d or %04d and the like.
+/// True if there is a place for a number, %d or %04d and the like.
 bool has_frame_number(const std::string& name);
 /// "name_%04d.png" with a number; the name itself when it has no %d.
 std::string frame_name(const std::string& image, int frame);

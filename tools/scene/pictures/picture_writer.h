@@ -49,10 +49,10 @@ class PictureWriter {
       : m_files(files), m_image(std::move(image)), m_options(options) {}
 
   void write(const DrawnPicture& drawn);
-  /// Of a series of 8 bits with nothing beside it: its next picture, in a file of its own or in the
-  /// video.
+  /// Writes the next picture of a series of 8 bits with nothing beside it, into a file of its own
+  /// or into the video.
   void write(const Image& image, int frame, const std::string& configuration);
-  /// After the last one; a video is complete then.
+  /// Ends the series after the last picture; a video is complete then.
   void finish();
 
  private:

@@ -22,7 +22,7 @@ class VideoEncoder {
   /// `path` may be a temporary name of the right extension; `shown_as` names the file in errors.
   VideoEncoder(const std::string& path, std::string shown_as, int width, int height,
                double frames_per_second, const std::string& comment);
-  /// Without finish(): ends the encoder, whose file is then of no use.
+  /// Ends the encoder where finish() was not called; its file is then of no use.
   ~VideoEncoder();
   VideoEncoder(const VideoEncoder&) = delete;
   VideoEncoder& operator=(const VideoEncoder&) = delete;

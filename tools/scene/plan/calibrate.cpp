@@ -121,7 +121,7 @@ void Calibration::measure_opening() {
 void Calibration::measure_drag(Session& session) {
   double least = HUGE_VAL;
   for (int round = 0; round < kRounds; ++round) {
-    // On and on, so that every round moves tissue.
+    // Drags follow one another, so that every round moves tissue.
     double moved = 0;
     const double ms = effort_ms(
         [&] { moved = double(session.drag(middle_of(session), Vec3d(0, 6, 0)).report.moved); });
@@ -153,7 +153,7 @@ void Calibration::measure_pose(const State& at_rest, const State& moved) {
   Displacement u;
   const double rest_ms = least_ms(
       m_progress, [&] { invert_displacement(at_rest, extended_displacement_of(at_rest)); });
-  // Of the two passes over its bricks, displacement and inverse.
+  // Half of it is for each of the two passes over bricks, displacement and inverse.
   m_costs.still_brick = per_unit(rest_ms, 2 * bricks);
   const double extend_ms = least_ms(m_progress, [&] { u = extended_displacement_of(moved); });
   const double invert_ms = least_ms(m_progress, [&] { invert_displacement(moved, u); });
@@ -187,7 +187,7 @@ void Calibration::measure_pictures(const State& state) {
     write_png(m_folder / "picture.png",
               to_image(renderer->render_float(camera, preset("Bone"), settings)));
   });
-  // Beside the march: what a picture costs before it and after, its file included.
+  // Time beside the march: a picture's cost before it and after, its file included.
   const double rays_ms =
       ms[0] - m_costs.sample * samples[0] / kNanosecondsPerMs + std::max(0.0, file_ms - ms[1]);
   m_costs.ray = per_unit(std::max(0.1 * ms[0], rays_ms), double(kPictureSize) * kPictureSize);

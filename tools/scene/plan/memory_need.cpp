@@ -16,7 +16,7 @@ namespace supple::tools {
 namespace {
 
 constexpr int kMostSlabs = 8;
-/// Of the bricks that slabs between those of a sample would have in its mean.
+/// Part of the bricks that slabs between those of a sample would have by its mean.
 constexpr double kSureOfUnread = 0.5;
 /// Slabs that a reader holds: two as they are stored, and one of floats.
 constexpr double kStoredSlabs = 2, kFloatBytes = 4;
@@ -54,7 +54,7 @@ std::string referring_text(const ScenePlan& plan) {
          gigabytes(plan.peak_mb);
 }
 
-/// What of a volume becomes elements, as far as it is known before the volume is read.
+/// Tissue that becomes elements, as far as it is known before the volume is read.
 struct Tissue {
   std::optional<std::pair<double, double>> range;
   int components = 0;

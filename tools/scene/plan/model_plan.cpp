@@ -12,33 +12,33 @@ namespace supple::tools {
 
 namespace {
 
-/// Per element: of the springs with their cells, and of their matrix beside them; of both in one
-/// slice.
+/// Bytes per element: of the springs with their cells, and of their matrix beside them; of both in
+/// one slice.
 constexpr double kSpringBytes = 670, kSpringMatrixBytes = 410, kSpringBytesInSlice = 456;
 constexpr double kSpringsOfElement = 8.7, kSpringsInSlice = 4;
-/// In steps of the calibration, per spring: to set it up, a step to a minimum, and a step of time;
-/// how many times as long that takes where shapes press.
+/// Times per spring in steps of the calibration: setup, a step to a minimum, and a step of time;
+/// the last is the factor where shapes press.
 constexpr double kSpringStart = 0.35, kDownWork = 0.2, kMotionWork = 1.35, kContactWork = 5;
 constexpr double kMinimumSteps = 40;  // that a minimum of springs takes, of those that it may
-/// Of bodies that no cache holds, in the time of the small one of a calibration.
+/// Time of bodies that no cache holds, relative to the small one of a calibration.
 constexpr double kFemBeyondCaches = 1.6;
 constexpr double kFemBytes = 58;      // per unknown
 constexpr double kFiniteBytes = 70;   // more, at finite strain
 constexpr double kModeBytes = 16;     // more, of every mode
 constexpr double kLanczosBytes = 8;   // more, of every vector that modes are found from
 constexpr double kMotionBytes = 200;  // more, with mass, damping and what moves
-/// Of an equilibrium, for the first decade of the residual: usually, and beside rigid pieces or
-/// tissue that many times as stiff. Later decades take more.
+/// Iterations of an equilibrium for the first decade of the residual: usually, and beside rigid
+/// pieces or tissue that many times as stiff. Later decades take more.
 constexpr double kIterations = 3, kHardIterations = 10, kLargeContrast = 1000;
 constexpr double kDecadesPower = 1.15;
-/// Of elements that are twice as large, in those of voxels; and the iterations of voxels that it
-/// saves to set up larger ones, whose voxels are not smoothed.
+/// Time of elements that are twice as large, relative to voxels; and the iterations of voxels that
+/// a setup of larger ones saves, whose voxels are not smoothed.
 constexpr double kCoarsePart = 0.25, kCoarseSetup = 2;
 constexpr double kNewtonSystems = 5;
-/// Of the iterations of an equilibrium, those of a step of time; equilibria of a mode.
+/// Iterations of a step of time, relative to an equilibrium; equilibria of a mode.
 constexpr double kMotionPart = 0.13, kModeSystems = 1.1;
 
-/// Of the stiffest tissue to the softest that the material may make.
+/// Ratio of the stiffest tissue to the softest that the material may make.
 double contrast_of(const MaterialTable& material) {
   double least = std::numeric_limits<double>::infinity(), most = 0;
   const auto take = [&](const LimitTable& table) {

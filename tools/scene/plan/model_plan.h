@@ -1,4 +1,4 @@
-// What a step of springs or finite elements takes, which move every node of a body.
+// Cost of a step of springs or finite elements, which move every node of a body.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct ModelPlan {
   double seconds = 0;
 };
 
-/// Of a request that has springs or finite elements, in the session as it is.
+/// Plans a request that has springs or finite elements, in the session as it is.
 ModelPlan plan_model(const Step& request, const Session& session, const UnitCosts& costs);
 
 /// "springs on 2.3 million elements: some 160 s and 2.5 GB for each drag".

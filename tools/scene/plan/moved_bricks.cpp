@@ -61,7 +61,7 @@ struct Waiting {
   bool operator<(const Waiting& other) const { return left < other.left; }
 };
 
-/// What is left of the handles' way at the middle of every brick; negative: not reached.
+/// Finds the rest of the handles' way at the middle of every brick; negative: not reached.
 std::vector<double> ways_left(const Body& body, const std::vector<PlannedGrip>& grips,
                               int coordinate, const MeanSlacks& slacks) {
   std::vector<double> left(body.elements.brick_count(), -1);
@@ -85,7 +85,7 @@ std::vector<double> ways_left(const Body& body, const std::vector<PlannedGrip>& 
       const double half = kBrickDim / 2.0;
       const double cost =
           half * (slacks.of(next.brick, face / 2) + slacks.of(std::size_t(beside), face / 2));
-      // As long as it reaches the near side of the brick.
+      // The brick counts as reached if the way reaches its near side.
       const double way = next.left - cost;
       if (way > -half * slacks.of(std::size_t(beside), face / 2))
         offer(std::size_t(beside), std::max(way, 0.0));

@@ -1,5 +1,5 @@
-// How far drags reach, without performing them: the algebra of Enhanced ChainMail on bricks in
-// place of voxels.
+// Reach of drags without performing them: the algebra of Enhanced ChainMail on bricks in place of
+// voxels.
 //
 // Per coordinate, a brick that a handle grabs goes as far as the handle; crossing half a brick
 // costs four times the mean slack of its links along that axis (docs/models/ecm.md, "Theorem").
@@ -28,7 +28,7 @@ struct MovedBricks {
   std::int64_t count(int coordinate) const;
   /// Bricks that move in any coordinate.
   std::int64_t count() const;
-  /// Whether a brick moves in any coordinate.
+  /// True if a brick moves in any coordinate.
   bool moves_brick(std::size_t b) const;
   bool moves(int coordinate) const { return !bricks[std::size_t(coordinate)].empty(); }
   /// Every element moves in the coordinate.
@@ -36,8 +36,8 @@ struct MovedBricks {
   void add(const MovedBricks& other);
 };
 
-/// Of the grabbed elements, which drag `by_q` says: offsets in 2^-16 voxel (ecm.h). A coordinate
-/// that no drag asks for has no bricks.
+/// Grabbed elements and the offsets `by_q` of their drag in 2^-16 voxel (ecm.h). A coordinate that
+/// no drag asks for has no bricks.
 struct PlannedGrip {
   SlotSet elements;
   std::array<std::int32_t, 3> by_q;

@@ -15,7 +15,7 @@ std::string megabytes_text(double held_mb, double brief_mb) {
   if (mb <= 0) return "";
   char text[32];
   std::snprintf(text, sizeof text, mb < 10 ? "%.1f MB" : "%.0f MB", mb);
-  // Of both kinds, what stays.
+  // Memory of both kinds shows as the kind that stays.
   return held_mb > 0 ? text : "(" + std::string(text) + ")";
 }
 

@@ -12,7 +12,7 @@ namespace supple::tools {
 std::string text_of_plan(const ScenePlan& plan);
 Value to_value(const ScenePlan& plan);
 
-/// What came of a plan.
+/// Outcome of a plan that was carried out.
 struct PlanOutcome {
   double peak_mb = 0;            // of the process
   double seconds = 0;            // of all stages

@@ -6,7 +6,7 @@
 
 namespace supple::tools {
 
-/// With the costs of the user's calibration. Throws InputError where that is damaged.
+/// Plans with the costs of the user's calibration. Throws InputError where that is damaged.
 ScenePlan plan_of(const Scene& scene, const SceneRun& run);
 
 /// Seconds that the steps of a scene take in the session of its volume, which has taken none of

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kRays = 48;  // along the longer side of the picture
 
-/// Whether some density between these two is not transparent.
+/// True if some density between these two is not transparent.
 bool may_be_seen(const TransferFunction& function, double lo, double hi) {
   if (function.opacity_at(lo) > 0 || function.opacity_at(hi) > 0) return true;
   return std::any_of(function.opacity.begin(), function.opacity.end(), [&](const OpacityKey& key) {

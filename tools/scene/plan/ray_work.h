@@ -1,5 +1,5 @@
-// How many samples a picture reads and in how many bricks, without drawing it: a few of its rays go
-// through the volume at rest, half a voxel at a time and with the nearest voxel's density.
+// Number of samples that a picture reads, and of their bricks, without drawing it: a few of its
+// rays go through the volume at rest, half a voxel at a time and with the nearest voxel's density.
 //
 // Deformation is not seen, and neither are clips, meshes and rays towards lights.
 // Cost: 50 ns per voxel on the way, 0.1 s at most for usual volumes.

@@ -25,8 +25,8 @@ constexpr double kInvertBytes = 600;      // of a brick that moves while it is i
 constexpr double kRestBytes = 30;         // of any other then
 constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a PNG file
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
-// Of a state while it is written: a brick of coordinates that moved, and any brick of elements,
-// displacements and offsets, whose values are made one after the other.
+// Bytes of a state while it is written: a brick of coordinates that moved, and any brick of
+// elements, displacements and offsets, whose values are made one after the other.
 constexpr double kMovedGridBytes = 6300, kElementGridBytes = 200, kLeafBytes = 170;
 constexpr double kPathBricks = 2.4;  // that a sampling path fills, of those of the volume
 constexpr double kSplitNs = 3e6, kSplitBytes = 350e3;  // of a brick beside a cut
@@ -48,7 +48,7 @@ bool ends_with(const std::string& name, const std::string& end) {
   return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
 }
 
-/// Of slices: an axial, a coronal and a sagittal one side by side, or as many as a lightbox has.
+/// Pixels of slices: an axial, a coronal and a sagittal one side by side, or those of a lightbox.
 double slice_pixels(const SliceChoice& slice, const Geometry& geometry) {
   const Vec3d& spacing = geometry.spacing_mm();
   const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / slice.scale;
@@ -97,7 +97,7 @@ class ScenePlanner {
   void plan_state();
   void plan_outputs();
   void plan_dense(const std::string& name, const std::string& what, double value_bytes);
-  /// Of `bytes` that come once, those that have not come yet.
+  /// Returns those of `bytes`, which come once, that have not come yet.
   double once(double bytes) { return m_loaded.insert(bytes).second ? bytes : 0; }
 
   const Scene& m_scene;
@@ -200,7 +200,7 @@ bool ScenePlanner::is_cut() const {
   });
 }
 
-/// Of the bricks that move, those in which the views after a step read offsets.
+/// Part of the bricks that move in which the views after a step read offsets.
 double ScenePlanner::seen_part(int step) const {
   const auto is_seen = seen_bricks(m_scene, step, m_subject.state.geometry);
   const BrickTopology& elements = m_subject.state.elements;
@@ -341,7 +341,7 @@ void ScenePlanner::plan_dense(const std::string& name, const std::string& what,
       frames() * voxels * m_costs.warp_voxel);
 }
 
-/// Of a state that refers to its volume the bricks that move count alone, and the densities of the
+/// Counts only the bricks that move for a state that refers to its volume, and the densities of the
 /// volume are compared once.
 void ScenePlanner::plan_state() {
   const bool refers = m_scene.output.refers;

@@ -1,4 +1,4 @@
-// What a scene is going to hold and compute, and why, before it does: in database terms its
+// Plan of what a scene is going to hold and compute, and why: in database terms its
 // EXPLAIN.
 //
 // The volume is open, so that elements and bricks are counted and not guessed. How far drags reach
@@ -49,15 +49,15 @@ struct ExpectedBricks {
   double reading_bytes = 0;  // beside them, while it is read
 };
 
-/// What is open: the subject of the scene, and what the process holds by now.
+/// Subject of the scene that is open, and the memory that the process holds by now.
 struct PlanSubject {
   const Session* session = nullptr;  // null: nothing moves, or it is not open yet
   const State& state;                // of which density, elements and geometry are read
   double start_seconds = 0;          // that loading the program took
   double open_seconds = 0;           // that opening took
   double held_mb = 0, peak_mb = 0;   // of the process, now and so far
-  /// Of a volume that is not open: the state has its geometry alone. The plan is then one of a
-  /// scene in which nothing moves and no ray meets anything, and so the least that it may be.
+  /// Bricks of a volume that is not open: the state has its geometry alone. The plan is then one of
+  /// a scene in which nothing moves and no ray meets anything, and so the least that it may be.
   std::optional<ExpectedBricks> expected = {};
 };
 

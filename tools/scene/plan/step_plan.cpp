@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kFractionBytes = 2, kFlowBytes = 4;   // kept, the second where tissue flows
 constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
-// Of bodies that no cache holds, in that of the small one of a calibration: of relaxation, and
-// where cells keep their volume.
+// Time of bodies that no cache holds, relative to the small one of a calibration: of relaxation,
+// and where cells keep their volume.
 constexpr double kBeyondCaches = 1.6, kVolumeBeyondCaches = 2.6;
 constexpr double kRelaxStartNs = 80;  // per element of the body
 // Passes that take a relaxation one brick further; a budget ends it while it still spreads.
@@ -64,7 +64,7 @@ std::optional<PlannedGrip> grip_of(const Drag& drag, const Session& session, con
   return grip;
 }
 
-/// With the bricks around.
+/// Adds the bricks around.
 void grow(std::vector<std::uint8_t>& bricks, const BrickTopology& elements) {
   const std::vector<std::uint8_t> before = bricks;
   for (std::size_t b = 0; b < before.size(); ++b) {
@@ -177,7 +177,7 @@ double bricks_beside(const LinkCuts& cuts, const BrickTopology& elements) {
   return double(dilate(topology_of(low), kSplitRings).brick_count());
 }
 
-/// As the step will make them, in a copy of the body.
+/// Makes the cuts of the step in a copy of the body.
 void StepPlan::cuts(MovedBricks& moved) {
   if (m_request.cuts.empty()) return;
   Body body = m_session.body();

@@ -1,6 +1,6 @@
-// What a unit of work costs on this machine: measured by `supple bench --calibrate` and kept for
-// the user, or as shipped. Times are of all threads that a run has, so that a plan is for the
-// threads with which it was calibrated.
+// Costs of units of work on this machine: measured by `supple bench --calibrate` and kept for the
+// user, or as shipped. Times are of all threads that a run has, so that a plan is for the threads
+// with which it was calibrated.
 #pragma once
 
 #include <string>
@@ -33,15 +33,15 @@ struct UnitCosts {
 };
 Fields fields(UnitCosts& costs);
 
-/// Of an equilibrium, in unknowns times iterations: setting up the levels is as much as 5
+/// Work of an equilibrium in unknowns times iterations: setting up the levels is as much as 5
 /// iterations more, and every iteration takes what 18,000 unknowns more do.
 double fem_work(double unknowns, double iterations);
 
 /// $XDG_CACHE_HOME/supple/calibration.toml, or that below ~/.cache; empty where neither is known.
 std::string calibration_file();
 
-/// Of the file; as shipped where there is none. Throws InputError for a file that is no
-/// calibration.
+/// Reads costs from the file; as shipped where there is none. Throws InputError for a file that is
+/// no calibration.
 UnitCosts read_costs(const std::string& path);
 /// Replaces the file as a whole. Throws SystemError.
 void write_costs(const std::string& path, const UnitCosts& costs);

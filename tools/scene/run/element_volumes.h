@@ -21,7 +21,7 @@ void write_element_values(const std::string& path, const Geometry& geometry,
                           const BrickTopology& elements, const std::vector<float>& of_element,
                           Progress* progress);
 
-/// Of the last step with a motion in time (motion_csv). Throws SystemError.
+/// Writes the motion in time of the last step that has one (motion_csv). Throws SystemError.
 void write_motion_table(const std::string& path, const Session& session);
 
 /// A row for each handle that is held at the end of a step, and for each shape in contact, with the

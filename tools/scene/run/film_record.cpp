@@ -40,8 +40,8 @@ SceneOutput output_of(const SceneOutput& output, int frame, bool is_last) {
   return named;
 }
 
-/// Of everything that decides on the pictures, but for the contents of the volume, its labels and
-/// meshes.
+/// Identity of everything that decides on the pictures, but for the contents of the volume, its
+/// labels and meshes.
 std::string identity_of(const Scene& scene) {
   const std::string all = std::string(kVersion) + scene.described;
   return sha256_hex(all.data(), all.size());

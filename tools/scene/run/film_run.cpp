@@ -113,7 +113,7 @@ void SceneRun::run_film() {
   make_videos();
 }
 
-/// Of the files, so that a video is the same whichever runs made them.
+/// Makes videos of the files, so that they are the same whichever runs made those.
 void SceneRun::make_videos() {
   if (!m_scene.film->makes_videos) return;
   for (const SceneView& view : m_scene.views) {

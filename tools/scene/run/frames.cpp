@@ -28,7 +28,7 @@ double longest_mm(const VectorBricks& bricks, const Geometry& geometry) {
   return longest;
 }
 
-/// Of a moved subject; o(x) = -u(x + o(x)), so that the longest u is the longest offset, too.
+/// Longest offset of a moved subject: o(x) = -u(x + o(x)), so it is as long as the longest u.
 double longest_offset_mm(const PosedVolume& subject) {
   return longest_mm(subject.offsets != nullptr ? subject.offsets->o : subject.displacement->u,
                     subject.geometry);
@@ -86,7 +86,7 @@ void add(const RenderReport& more, RenderReport* sum) {
 /// Numbers of meshes come after those of labels.
 constexpr int kFirstMeshId = 65536;
 
-/// Of each pixel the label of the tissue that is seen, or the number of the mesh.
+/// Returns for each pixel the label of the tissue that is seen, or the number of the mesh.
 std::vector<float> ids_of(const FloatImage& picture, const std::vector<Vec3d>& rest_places,
                           const PosedVolume& subject) {
   std::vector<float> ids(picture.pixel_count(), 0.0f);

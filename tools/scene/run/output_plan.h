@@ -24,7 +24,7 @@ class OutputPlan {
   /// beside it: the data files of a header, the slices of a folder, the volume that a state refers
   /// to.
   void protect(const std::string& input, const ReadOptions& read = {});
-  /// That volume alone, of a state that may be overwritten.
+  /// Protects the volume of a state that may be overwritten.
   void protect_source_of(const std::string& state);
 
   /// Each throws UsageError (exists, no --force) or InputError (everything else).

@@ -15,7 +15,7 @@ Vec3i nearest_voxel(const Vec3d& index) {
   return floor_voxel(index + Vec3d(0.5));
 }
 
-/// Whether a corner of the place's cell is one.
+/// True if a corner of the place's cell is an element.
 bool is_beside_element(const BrickTopology& elements, const Vec3d& index) {
   for (int n = 0; n < 8; ++n) {
     if (elements.is_active(floor_voxel(index) + cell_corner(n))) return true;

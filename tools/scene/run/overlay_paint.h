@@ -1,5 +1,5 @@
-// What `overlay` of a view or a slice paints over tissue: how far it has moved (mm), det F, or the
-// values of a volume at rest, on any grid.
+// Values that `overlay` of a view or a slice paints over tissue: how far it has moved (mm), det F,
+// or the values of a volume at rest, on any grid.
 #pragma once
 
 #include "raycast/drawings/annotations.h"
@@ -23,8 +23,8 @@ enum class PaintEdge { halfway, beside };
 /// The marks with the range of their overlay decided: of displacements 0 to `longest_mm`, of values
 /// of both signs as far to each side of 0.
 TissueMarks with_overlay_range(TissueMarks marks, double longest_mm);
-/// Of an overlay with a range; one that lies about 0 has colours about its middle. Of a file those
-/// voxels count that are elements and above its least value. Refers to the marks and to the body.
+/// Paints an overlay with a range; one about 0 has colours about its middle. Those voxels of a file
+/// count that are elements and above its least value. Refers to the marks and to the body.
 ValuePaint overlay_paint(const TissueMarks& marks, const PaintedBody& body, PaintEdge edge);
 
 /// The legend of an overlay's colours: the n-th of so many, from above.

@@ -1,4 +1,4 @@
-// Where the files of a scene go.
+// Places of the files of a scene.
 #pragma once
 
 #include <string>

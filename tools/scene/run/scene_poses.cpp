@@ -1,4 +1,4 @@
-// Where the tissue of a scene is after its steps, as views and outputs ask for it: each pose is
+// Poses of the tissue of a scene after its steps, as views and outputs ask for them: each pose is
 // found once, and what nothing reads is not.
 #include <algorithm>
 #include <utility>
@@ -58,7 +58,7 @@ void SceneRun::forget_pose() {
   m_state_step = m_displaced_step = m_inverted_step = m_seen_step = -1;
 }
 
-/// Whether anything reads the displacement of a state that does not move once it is inverted.
+/// True if anything reads the displacement of a state that does not move once it is inverted.
 bool SceneRun::reads_displacement_later() const {
   const bool is_flat = m_state.geometry.dims().z == 1;  // and drawn as a lattice
   return m_session || is_flat || !m_scene.path.empty() ||
@@ -108,7 +108,7 @@ std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int ste
     for (const ViewVolume& volume : *seen) parts.push_back({volume, beside});
   }
   return [parts, dims = geometry.dims()](const Vec3i& origin) {
-    // Where rays begin, what lies beyond the outer voxels counts, too.
+    // Offsets beyond the outer voxels count, too, where rays begin.
     for (int a = 0; a < 3; ++a) {
       if (origin[a] < 0 || origin[a] + kBrickDim > dims[a]) return true;
     }
@@ -119,7 +119,7 @@ std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int ste
   };
 }
 
-/// With the inverse.
+/// Returns the pose with its inverse.
 const Pose& SceneRun::deformed(int step) {
   displacement(step);
   if (m_inverted_step != step) {
@@ -151,7 +151,7 @@ const Displacement& SceneRun::without_inverse(const SceneView& view, int step) {
   return moved;
 }
 
-/// Whether the view, seen along a path of its own, is all that a state is opened for.
+/// True if the view, seen along a path of its own, is all that a state is opened for.
 bool SceneRun::is_all_that_reads(const SceneView& view) const {
   return !m_session && !m_scene.film && m_scene.views.size() == 1 && view.picture.sequence == 0;
 }
@@ -163,8 +163,8 @@ Pose SceneRun::take_deformed() {
   return deformed;
 }
 
-/// What a view shows with its inverse; null: the body at rest. The view gets the path of the scene,
-/// too.
+/// Pose that a view shows, with its inverse; null: the body at rest. The view gets the path of the
+/// scene, too.
 const Pose* SceneRun::posed_for(SceneView& view, int step) {
   const bool has_own = !view.path.empty();
   if (view.deformed) {
@@ -191,7 +191,7 @@ const Pose* SceneRun::posed_volume_for(SceneView& view) {
     m_own = Pose{{}, send_along(path, m_deformed.offsets, m_progress)};
   } else {
     const BrickTopology& bricks = m_state.density.bricks();
-    // With the air that pictures of the volume at rest read, too.
+    // The air that pictures of the volume at rest read belongs to it, too.
     const BrickTopology body =
         view.slice ? bricks : dilate_inside(bricks, kAirRings, m_state.geometry.dims());
     m_own = send_along(path, m_state.geometry, body, m_progress);

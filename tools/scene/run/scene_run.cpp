@@ -147,7 +147,7 @@ void SceneRun::open_volume_alone() {
       (geometry.dims().z == 1 || std::any_of(m_scene.views.begin(), m_scene.views.end(),
                                              [](const SceneView& view) { return view.lattice; }));
   if (is_lattice) require_no_warp(m_scene, "a lattice to draw");
-  // Before the volume, so that the warp's vectors are gone when its voxels come.
+  // The warp is read before the volume: its vectors are gone when the voxels come.
   m_has_warp = !m_scene.warp_path.empty();
   if (m_has_warp) m_deformed.offsets = read_offsets(m_scene.warp_path, geometry, m_progress);
   // A lattice shows every voxel; a picture leaves out the air at the file's minimum.
@@ -182,7 +182,7 @@ void SceneRun::run() {
   write_outputs(last_step(), 0);
 }
 
-/// Nothing reads what was of the body before.
+/// Solves a step, from when on nothing reads what was of the body before.
 void SceneRun::solve(std::size_t n, double time) {
   forget_pose();
   Step step = m_scene.steps[n];
@@ -211,7 +211,7 @@ void SceneRun::draw_views(int step) {
   }
 }
 
-/// Of a film the outputs of one frame: those with a number, and after the last frame all.
+/// Writes all outputs; for a film those with a number, and after its last frame all.
 void SceneRun::write_outputs(int last, int frame) {
   const SceneOutput& output = m_scene.output;
   const auto is_due = [&](const std::string& name) {

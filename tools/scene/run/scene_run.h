@@ -26,21 +26,21 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_o
 /// Stage in which displacements of elements are extended into the air around them.
 constexpr const char* kDisplacementStage = "displacement";
 
-/// Whether the steps and paths fit the volume. Throws InputError.
+/// Checks that the steps and paths fit the volume. Throws InputError.
 void check_places(const Scene& scene, const Geometry& geometry);
 
-/// Whether an output reads where what is seen came from; displacements say where it went.
+/// True if an output reads where what is seen came from; displacements say where it went.
 bool reads_inverse(const Scene& scene);
 
-/// Whether a brick of offsets is wanted after a step, where its views see a part of the volume and
-/// nothing else reads offsets; null: all are.
+/// Tells whether a brick of offsets is wanted after a step, where its views see a part of the
+/// volume and nothing else reads offsets; null: all are.
 std::function<bool(const Vec3i& origin)> seen_bricks(const Scene& scene, int step,
                                                      const Geometry& geometry);
 
-/// Whether there is a body to build: something moves, or is written, or a material makes one.
+/// True if there is a body to build: something moves, or is written, or a material makes one.
 bool needs_body(const Scene& scene);
 
-/// How the body of a scene is opened.
+/// Returns the options by which the body of a scene is opened.
 SessionOptions session_options(const Scene& scene);
 
 class SceneRun {
@@ -63,9 +63,9 @@ class SceneRun {
   double open_s() const { return m_open_s; }
   /// The body; null where nothing moves.
   const Session* session() const { return m_session.get(); }
-  /// Of the last inversion; null where there was none.
+  /// Certificate of the last inversion; null where there was none.
   const InversionCertificate* certificate() const;
-  /// Of all pictures.
+  /// Report of all pictures.
   const RenderReport& drawn() const { return m_drawn; }
 
  private:

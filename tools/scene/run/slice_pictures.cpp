@@ -172,7 +172,7 @@ void add_legend(Annotations& annotations, const SliceSource& source, const Slice
   if (paint != nullptr) add_overlay_legend(annotations, choice.marks, *paint, 1, count);
 }
 
-/// From where the tissue at places of a regular pattern came.
+/// Adds arrows from where the tissue at places of a regular pattern came.
 void add_arrows(Annotations& annotations, const SlicePanel& panel, const SliceSource& source,
                 double arrows_mm) {
   const double step = arrows_mm / panel.grid.spacing_mm().x;

@@ -21,10 +21,10 @@ struct SliceSource {
   const BrickTopology& elements;  // that overlays are painted on
 };
 
-/// What each slice of a choice shows of the volume. Throws InputError: a place outside of it.
+/// Parts of the volume that slices of a choice show. Throws InputError: a place outside of it.
 std::vector<ViewVolume> seen_of(const SliceChoice& choice, const Geometry& geometry);
 
-/// Of an effective choice. Throws InputError: a place outside the volume, arrows of a volume at
+/// Draws an effective choice. Throws InputError: a place outside the volume, arrows of a volume at
 /// rest.
 FloatImage draw_slices(const SliceSource& source, const SliceChoice& choice,
                        const Decoration& decoration);

@@ -20,7 +20,7 @@ namespace {
 
 /// One layer of a label's surface: a closed body is seen through two.
 constexpr double kLabelOpacity = 0.6;
-/// Of the distance to the camera: depths are floats.
+/// Tolerance of depths, relative to the distance to the camera: depths are floats.
 constexpr double kSameDepth = 1e-5;
 
 /// The lighter part of the offsets' colours: arrows are thin, and the ground may be dark.
@@ -98,7 +98,7 @@ void add_labels(const PosedVolume& subject, const SceneView& view, std::vector<S
   }
 }
 
-/// Whether a surface is what a pixel shows.
+/// Tells at which pixels a surface is seen.
 class SeenSurfaces {
  public:
   SeenSurfaces(const std::vector<Surface>& surfaces, const FloatImage& picture,

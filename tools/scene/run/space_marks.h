@@ -12,7 +12,7 @@ namespace supple::tools {
 /// subject has no data for.
 std::vector<Surface> surfaces_of(const PosedVolume& subject, const SceneView& view);
 
-/// Where the tissue that is seen at a place was at rest, also where samples solve for themselves.
+/// Finds where tissue that is seen at a place was at rest, also where samples solve for themselves.
 /// Refers to the subject's data.
 RestPlaceAt rest_place_of(const PosedVolume& subject);
 

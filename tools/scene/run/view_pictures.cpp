@@ -141,7 +141,7 @@ bool reads_displacement(const SceneView& view) {
 
 namespace {
 
-/// Of one picture or two in space.
+/// Parts of the volume that one picture or two show in space.
 std::vector<ViewVolume> seen_by_eyes(const SceneView& view, const Geometry& geometry) {
   const double aspect = double(view.size[0]) / view.size[1];
   const Camera camera = zoomed(resolve_camera(view.camera, geometry, aspect), view.zoom);

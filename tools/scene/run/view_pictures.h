@@ -44,10 +44,10 @@ void check_ids(const SceneView& view, bool has_labels);
 /// The view as it will be drawn: one-slice bodies as lattices, and where no preset is named Bone
 /// if densities reach below -200, as Hounsfield units of air do, else MR-Default.
 SceneView effective_view(const SceneView& view, const Geometry& geometry, double min_density);
-/// Whether pictures of the view read the displacement beside the offsets, or the offsets alone.
+/// True if pictures of the view read the displacement beside the offsets, or the offsets alone.
 bool reads_displacement(const SceneView& view);
-/// What the cameras or the slices of a view show, where its picture reads offsets there alone;
-/// nothing where it reads them all, as shadows do from beside the picture.
+/// Parts that the cameras or the slices of a view show, where its picture reads offsets there
+/// alone; nothing where it reads them all, as shadows do from beside the picture.
 std::optional<std::vector<ViewVolume>> seen_of(const SceneView& view, const Geometry& geometry);
 /// A renderer of the subject in its pose.
 std::unique_ptr<Renderer> make_renderer(const PosedVolume& subject, const SceneView& view);
