@@ -1,4 +1,4 @@
-// What a page says to the viewer, up to where it would be carried out; and the heads of requests.
+// Messages of a page to the viewer, up to where they would be carried out; heads of requests.
 #include <filesystem>
 
 #include "tools/viewer/gatekeeper.h"

@@ -22,7 +22,7 @@ class Seeds {
  public:
   explicit Seeds(std::string folder) : m_folder(std::move(folder)) {}
 
-  /// Where seed `name` of a target lies.
+  /// Path of seed `name` of a target.
   std::string path(const std::string& target, const std::string& name) const {
     std::filesystem::create_directories(m_folder + "/" + target);
     return m_folder + "/" + target + "/" + name;
@@ -150,7 +150,7 @@ void make_solids(const Seeds& seeds) {
                    {".5 .5 .5 .6 .5 .5 .5 .6 .5 .5 .5 .6", "0 0 0 1 0 0 0 1 0 0 0 1", "0 1 2 3",
                     "4", "10"},
                    ""));
-  // As VTK writes it.
+  // The bytes are as VTK writes them.
   seeds.text(
       "transform", "zlib.vtu",
       solid(" header_type=\"UInt32\" compressor=\"vtkZLibDataCompressor\"", "binary",

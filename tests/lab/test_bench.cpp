@@ -193,7 +193,7 @@ TEST(UnitBench, RowsOfDiagonalLinksSayTheCostPerElementAndPerLink) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto rows = nlohmann::json::parse(read_text(folder / "links.json"))["rows"];
   ASSERT_EQ(rows.size(), 3u);
-  // Of a cube of 64 voxels: along the axes, diagonals of its squares, and of its cells.
+  // Links of a cube of 64 voxels: along the axes, diagonals of its squares, and of its cells.
   const std::int64_t n = 64, m = 63, axes = 3 * m * n * n, of_squares = 6 * m * m * n;
   const std::int64_t links[] = {axes, axes + of_squares, axes + of_squares + 4 * m * m * m};
   for (std::size_t row = 0; row < 3; ++row) {

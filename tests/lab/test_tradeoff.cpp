@@ -258,7 +258,7 @@ TEST_F(UnitTradeoff, ACallGoesOnWhereTheLastOneEnded) {
   const std::string whole = csv();
   const std::vector<TradeRow> before = rows();
   ASSERT_EQ(before.size(), 4u);
-  // As after a kill: the last row is not there.
+  // The last row is not there, as after a kill.
   write_text(m_folder / "out/runs.csv", to_csv({before[0], before[1], before[2]}));
   ASSERT_EQ(measure({"--method", "ecm"}).exit_code, 0);
   const std::vector<TradeRow> after = rows();

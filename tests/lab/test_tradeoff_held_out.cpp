@@ -23,7 +23,7 @@ TradeRow load_row(const std::string& scene, const std::string& method, double kn
   return row;
 }
 
-/// Of a fast method and an exact one: two loads as given, and the one that is held out.
+/// Rows of a fast method and an exact one: two loads as given, and the one that is held out.
 std::vector<TradeRow> three_loads(double fast_s, double fast_mm, double exact_s, double exact_mm) {
   return {load_row("a.toml", "ecm", 6, 0.010, 0.7),
           load_row("a.toml", "fem", 0.1, 0.4, 0.020),

@@ -1,4 +1,4 @@
-// What a trade-off leaves beside its rows: charts as files of their own, and a page with pictures.
+// Files of a trade-off beside its rows: charts of their own, and a page with pictures.
 #include <random>
 #include <regex>
 

@@ -114,7 +114,7 @@ Wide units_below(Real voxels) {
 struct Bounds {
   Wide upper, lower;
 };
-/// Of coordinate c across a link along an axis.
+/// Bounds of coordinate c across a link along an axis.
 Bounds bounds_by_hand(const Block& block, int axis, int c, const End& a, const End& b) {
   const MaterialTable& table = block.table;
   if (c == axis) {

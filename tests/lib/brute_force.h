@@ -87,7 +87,7 @@ class BruteForce {
                Outcome& outcome) const;
   void move_between(int c, const std::vector<Limit>& lower, const std::vector<Limit>& upper,
                     const Outcome& outcome);
-  /// Where the tool of a push handle limits a node in one coordinate, none where it does not.
+  /// Limit that the tool of a push handle sets a node in one coordinate; none where it sets none.
   std::optional<Wide> tool_at(int c, bool lower, int node, Wide by) const;
   std::vector<Kept> kept_after(const std::vector<Grab>& grabs, const Outcome& outcome) const;
 

@@ -10,7 +10,7 @@ namespace supple::test {
 
 namespace {
 
-/// Whether two neighbouring elements are joined across their common face.
+/// True if two neighbouring elements are joined across their common face.
 bool is_joined(const Body& body, Vec3i a, Vec3i b) {
   if (voxel_less(b, a)) std::swap(a, b);
   if (!body.elements.is_active(a) || !body.elements.is_active(b)) return false;

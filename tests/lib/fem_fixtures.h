@@ -37,7 +37,7 @@ Eigen::SparseMatrix<double> assembled_stiffness(const Body& body, const HexMesh&
                                                 const ElasticTable& elastic,
                                                 const ElementChoice& choice);
 
-/// In kg, by 2^3 Gauss points per element.
+/// Mass matrix in kg, by 2^3 Gauss points per element.
 Eigen::MatrixXd assembled_mass(const FemModel& model, const MassDensities& density);
 /// Rows and columns of components that are not held.
 Eigen::MatrixXd free_part(const Eigen::MatrixXd& matrix, const HeldBits& held);

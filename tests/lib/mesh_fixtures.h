@@ -46,7 +46,7 @@ class MeshBruteForce {
   Wide project();
   int broken_links() const;
 
-  /// How much further apart two nodes' targets are than the links between them allow.
+  /// Distance by which two nodes' targets are further apart than the links between them allow.
   Wide missing(int c, int a, Wide target_a, int b, Wide target_b) const {
     return target_a - target_b - distances(c, a, true)[std::size_t(b)];
   }

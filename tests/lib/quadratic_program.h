@@ -17,7 +17,7 @@ class QuadraticProgram {
   /// Energy in N/m voxel^2 after so many rounds, or once a round moves nothing by more than
   /// kStillVoxels; the worst excess of a limit in voxels.
   double minimise(int rounds, double& excess);
-  /// Per slot, in voxels.
+  /// Offsets per slot, in voxels.
   const std::vector<double>& offsets() const { return m_x; }
   void shift(Slot slot, double voxels) { m_x[slot] += voxels; }
 

@@ -54,7 +54,7 @@ double spring_share(const Vec3d& h, int links, int direction) {
   const LinkStep step = step_of_direction(direction);
   if (is_diagonal(direction)) return diagonal(step);
   const std::size_t axis = std::size_t(axis_of_direction(direction));
-  // What the diagonals along the axis do not carry of E V / h^2.
+  // The rest of E V / h^2 that the diagonals along the axis do not carry.
   double left = volume / (h[int(axis)] * h[int(axis)]);
   for (int other = 0; other < kDirections; ++other) {
     const LinkStep way = step_of_direction(other);

@@ -23,7 +23,7 @@ Dragged dragged(std::mt19937& random, const Vec3i& max_dims, int links = 6);
 /// docs/models/relaxation.md.
 double spring_share(const Vec3d& spacing_mm, int links, int direction);
 
-/// Until nothing moves.
+/// Parameters that relax until nothing moves.
 RelaxParams to_rest(double kpa = 0);
 
 Relaxation relaxation_of(Dragged& dragged, const RelaxParams& params);
@@ -35,11 +35,11 @@ int expect_held_through(Dragged dragged, const RelaxParams& params);
 /// Fails the test unless one thread and four relax to the same bits.
 void expect_same_on_any_threads(const Dragged& dragged, const RelaxParams& params);
 
-/// Of all links, from the stored offsets, in uJ; a spring beyond its yield stretch pulls no more.
+/// Energy of all links by stored offsets, in uJ; a spring beyond its yield stretch pulls no more.
 double spring_energy(const Body& body);
 
-/// Of all cells with that bulk modulus in kPa, in uJ: their volume by integration. Without one:
-/// with the harmonic mean of E / (1 - 2 nu) at their corners.
+/// Energy of all cells with that bulk modulus in kPa, in uJ: their volume by integration. Without
+/// one: with the harmonic mean of E / (1 - 2 nu) at their corners.
 double cell_energy(const Body& body, std::optional<double> kpa);
 
 /// Integral of the Jacobian over the trilinear cell; corner 4 i + 2 j + k is (i, j, k) steps from

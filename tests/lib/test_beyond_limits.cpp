@@ -1,4 +1,4 @@
-// What Enhanced ChainMail makes of links that finite elements left beyond their limits.
+// How Enhanced ChainMail treats links that finite elements left beyond their limits.
 #include <algorithm>
 #include <cstdlib>
 #include <memory>

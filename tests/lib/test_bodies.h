@@ -74,7 +74,7 @@ int random_element(std::mt19937& random, const Block& block);
 /// lies near the right rim, where the body is pulled.
 Block t_shape(int size);
 
-/// What the table says of itself; "" when it is valid.
+/// Returns the complaint of the table about itself; "" when it is valid.
 std::string validation_error(const MaterialTable& table);
 
 }  // namespace supple::test

@@ -30,7 +30,7 @@ bool says(const Session& session, const std::string& part) {
   return false;
 }
 
-/// Beyond what there is at rest, by how far any two pieces are turned against each other.
+/// Overlap allowed beyond that at rest, by the widest turn of two pieces against each other.
 double allowed_overlap(const Body& body) {
   double most_deg = 0;
   for (const RigidPiece& piece : body.rigid.list) {

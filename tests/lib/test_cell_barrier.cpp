@@ -39,7 +39,7 @@ struct Lattice {
     Slot slot = 0;
     return slot_of(body.elements, voxel, slot) ? springs.node_of(slot) : -1;
   }
-  /// Of all corners of cells the smallest det F.
+  /// The smallest det F of all corners of cells.
   double least_ratio(const std::vector<Vec3d>& pos) const {
     const Vec3i& dims = body.geometry.dims();
     double least = HUGE_VAL;

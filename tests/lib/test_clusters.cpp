@@ -34,7 +34,7 @@ Found found(const Clusters& clusters) {
   return all;
 }
 
-/// By flooding from each element, in ascending order.
+/// Finds clusters by flooding from each element, in ascending order.
 Found flooded(const Body& body, const LinkTable& table, const std::set<std::uint32_t>& bricks,
               const Joins& joins) {
   std::map<Slot, std::set<Slot>> joined;

@@ -50,7 +50,7 @@ std::vector<int> pieces_of(const Body& body) {
   return piece;
 }
 
-/// Of a triangle of a convex mesh; the normal points to its inside.
+/// Plane of a triangle of a convex mesh; the normal points to its inside.
 struct InnerPlane {
   Vec3d corner, normal;
 };
@@ -86,7 +86,7 @@ TEST(PropertyCuts, AClosedSphereLeavesNoLinkBetweenItsInsideAndItsOutside) {
     Block block = n % 3 == 0 ? random_block(random, {18, 17, 16}) : soft_block({18, 17, 16});
     Body body = body_of(block);
     body.geometry = random_geometry(random);
-    // In voxels: an ellipsoid of any orientation, from far below one voxel to most of the body.
+    // An ellipsoid of any orientation in voxels, from far below one to most of the body.
     TriangleMesh sphere = unit_sphere(int(random() % 4));
     const Vec3d centre = Vec3d(block.origin) + pick_vector(random, 2, 15);
     const double size = std::pow(10.0, pick(random, -2, 0.9));
@@ -165,7 +165,7 @@ TEST(PropertyCuts, OctahedraWhoseFacesPassThroughVoxelCentresLeaveNoLinkOpen) {
     }
     for (int n = 0; n < 8; ++n) mesh.triangles.push_back({n & 1, 2 + (n >> 1 & 1), 4 + (n >> 2)});
     cut(body, mesh);
-    // In 1e-6 voxel: the surface moves a little up along every axis, cut.h says how far.
+    // Counts in 1e-6 voxel: the surface moves a little up along every axis, as cut.h says.
     const auto inside = [&](Slot slot) {
       const Vec3i v = (voxel_of(body.elements, slot) - centre) * 1000000 - Vec3i(30, 33, 37);
       return std::abs(v.x) + std::abs(v.y) + std::abs(v.z) < radius * 1000000;
@@ -281,7 +281,7 @@ TEST(UnitCuts, ASecondCutAtTheSamePlaceFindsNothingNew) {
 }
 
 TEST(UnitCuts, APatchCutsTheLinksThatItsOwnEdgesCross) {
-  // From voxel centre to voxel centre, as far as the body goes, along all axes and both ways round.
+  // Cuts go from voxel centre to voxel centre, as far as the body goes, on all axes and both ways.
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3i dims(6, 5, 4);
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;

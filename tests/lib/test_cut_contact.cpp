@@ -408,7 +408,7 @@ TEST(PropertyCutContact, CutsThatEndAndSlicesAreKeptApartWithAnyLinks) {
     block.table.links = links;
     Body body = body_of(block);
     const Geometry& geometry = body.geometry;
-    // From one side to the middle of the body, across j.
+    // The cut goes from one side to the middle of the body, across j.
     cut(body, PlanePatch{geometry.world_from_index({-1, 6.3, -2}),
                          geometry.world_vector_from_index({9.2, n % 2 == 0 ? 0 : 2.1, 0}),
                          geometry.world_vector_from_index({0, 0, 20})});

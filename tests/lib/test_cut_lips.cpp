@@ -1,4 +1,4 @@
-// Where the lips of an opened cut are, against the surface that made it.
+// Lips of an opened cut, against the surface that made it.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -55,7 +55,7 @@ struct CutBlock {
   }
 };
 
-/// Beyond the last voxels of the block by one: skin lies between tissue and air.
+/// True up to one voxel beyond the last ones of the block: skin lies between tissue and air.
 bool is_in_reach(const Vec3d& X) {
   for (int a = 0; a < 3; ++a) {
     if (X[a] < -1 || X[a] > kSize) return false;
@@ -189,7 +189,7 @@ TEST(PropertyCutLips, HaveFacesUpToTheEndOfTheCut) {
       const double depth = std::abs(above(X));
       if (along(X) > 1.5 && depth < 1.5) {
         ASSERT_TRUE(has_face) << X;
-        // At the rim sides go by voxels, so that one reaches a quarter beyond the plane.
+        // Sides go by voxels at the rim, so that one reaches a quarter beyond the plane.
         EXPECT_NEAR(std::abs(depth_mm), depth, 0.1) << X;
         EXPECT_GT(depth_mm, -0.3) << X;
         ++faces;

@@ -1,4 +1,4 @@
-// What drag() refuses, in which words, and that the body is untouched then.
+// Errors of drag() and their words; the body is untouched then.
 #include <gtest/gtest.h>
 
 #include "lib/chainmail/ecm.h"

@@ -193,7 +193,7 @@ TEST(ExtremesRegions, AHundredThousandVoxelsMoveAsOneAndStopAtAnchors) {
   EXPECT_EQ(body.offset(region.lo, 0), 3 * kVoxel);
   EXPECT_EQ(body.offset(region.hi, 0), 3 * kVoxel);
   EXPECT_EQ(check_links(body).violated, 0);
-  // As a tool it moves on, and an anchor ahead stops it.
+  // The tool moves on, and an anchor ahead stops it.
   const EcmReport report = drag(body, {{region, {90 * kVoxel, 0, 0}, HandleKind::push}},
                                 {{{63, 0, 0}, {63, 55, 55}}}, holds);
   EXPECT_LT(report.fraction(), 1);

@@ -16,14 +16,14 @@ namespace {
 
 using VectorField = std::function<Vec3d(const Vec3d&)>;
 
-/// How near displacements are to a formula.
+/// Agreement of displacements with a formula.
 struct Agreement {
   double error;      // root mean square over that of the formula
   double amplitude;  // the factor of the formula that comes nearest
 };
 
-/// At the nodes for which `counts` says so. `origin` is added to positions; `known` is taken away
-/// from displacements and formula.
+/// Compares the nodes for which `counts` says so. `origin` is added to positions; `known` is taken
+/// away from displacements and formula.
 Agreement agreement(const FemModel& model, const FemSolution& solution, const Vec3d& origin,
                     const VectorField& exact, const VectorField& known = nullptr,
                     const std::function<bool(const Vec3d&)>& counts = nullptr) {
@@ -42,7 +42,7 @@ Agreement agreement(const FemModel& model, const FemSolution& solution, const Ve
   return {std::sqrt(error / size), common / size};
 }
 
-/// Of errors at three sizes of the voxel; they must fall from one to the next.
+/// Order of errors at three sizes of the voxel; they must fall from one to the next.
 double reached_order(const std::array<double, 3>& errors, double refinement) {
   EXPECT_LT(errors[1], errors[0]);
   EXPECT_LT(errors[2], errors[1]);
@@ -53,7 +53,7 @@ double reached_order(const std::array<Agreement, 3>& found, double refinement) {
                        refinement);
 }
 
-/// What an amplitude of order 1 tends to: a line through those of voxels of half and full size.
+/// Limit of an amplitude of order 1: a line through those of voxels of half and full size.
 double limit_of(const std::array<Agreement, 3>& found) {
   return 2 * found[2].amplitude - found[1].amplitude;
 }

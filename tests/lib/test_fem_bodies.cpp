@@ -98,7 +98,7 @@ TEST(PropertyFem, ABodyThatIsCutThroughIsTwoBodies) {
     }
   }
   EXPECT_GT(most, 0.1);
-  // Without the cut the result is another.
+  // The result without the cut is another.
   for (const auto& [voxel, corners] : solve(parted_block(dims, plane, everywhere, nowhere))) {
     joined = std::max(joined, (corners[0] - parts.at(voxel)[0]).length());
   }

@@ -1,4 +1,4 @@
-// What handles, anchors and rigid pieces do to the corners of their voxels, however thin they are
+// Effect of handles, anchors and rigid pieces on the corners of their voxels, however thin they are
 // and whatever lies beside them. Oracles are motions in closed form, prescribed node by node.
 #include <cmath>
 #include <numeric>
@@ -17,7 +17,7 @@ using namespace supple::test;
 
 namespace {
 
-/// Offsets are rounded to 2^-16 voxel.
+/// Allowance for offsets, which are rounded to 2^-16 voxel.
 constexpr double kRounded = 5e-5;
 
 Body even_block(const Vec3i& dims) {
@@ -65,7 +65,7 @@ std::vector<Handle> handles_of_drags(const Body& body, const std::vector<Drag>& 
                     {body, density, none, {}, HandleKind::two_sided, nullptr, 1, start, earlier});
 }
 
-/// Where the drag has a place, less that place.
+/// Way to where the drag has a place, from that place.
 std::function<Vec3d(const Vec3d&)> way_of(const Body& body, const Drag& drag) {
   const HandleMotion motion = drag.motion;
   const Turn turn = turn_about(motion.axis_lps, motion.angle_deg);
@@ -98,7 +98,7 @@ double most_apart(const std::vector<double>& a, const std::vector<double>& b) {
   return most;
 }
 
-/// How far nodes of the elements are from where `wanted` has them, mm.
+/// Largest distance of nodes of the elements from where `wanted` has them, mm.
 double most_off(const FemModel& model, const std::vector<double>& u_mm, const SlotSet& elements,
                 const std::function<Vec3d(const Vec3d&)>& wanted) {
   const std::vector<Vec3d> places = node_positions(model.mesh());
@@ -281,7 +281,7 @@ TEST(PropertyFemGrips, ATurnedPlateThatIsStillHeldStaysTurned) {
     model.move(handles_of_drags(body, {drag}), 1, nullptr);
     model.store();
     for (const bool is_told : {false, true}) {
-      // Whether reactions are wanted of a part of what is held changes nothing.
+      // It changes nothing if reactions are wanted of a part of what is held.
       if (is_told) model.tell_of({elements_in(body, {{0, 0, 8}, {0, 2, 8}})});
       model.move({}, 1, nullptr);
       EXPECT_LT(most_off(model.solid(), model.displacement_mm(), elements_in(body, thin.grabbed),

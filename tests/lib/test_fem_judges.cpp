@@ -182,7 +182,7 @@ class CalculixDeck {
     return text_with_mass(density, {}) + "*STEP\n*FREQUENCY\n10\n*NODE FILE\nU\n*END STEP\n";
   }
 
-  /// So many steps of time from rest under the forces, with all that is held at rest.
+  /// Text of steps of time from rest under the forces, with all that is held at rest.
   std::string text_of_motion(const double (&density)[2], const RayleighDamping& damping,
                              double step_s, int steps) const {
     std::string motion = "*STEP, INC=100000\n*DYNAMIC, DIRECT, ALPHA=0\n";
@@ -384,7 +384,7 @@ TEST(InteropFem, DolfinxFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
   judge_bodies(kAsC3d8, EquationSolver::dolfinx, 1e-9);
 }
 
-/// What it leaves on nodes is a warning; what it does not reach is an error with the numbers.
+/// DOLFINx's rest on nodes is a warning; a goal out of its reach is an error with the numbers.
 TEST(InteropFem, DolfinxSaysHowFarItGot) {
   if (!has_dolfinx()) GTEST_SKIP() << "python3-dolfinx is not installed";
   std::mt19937 random(5);

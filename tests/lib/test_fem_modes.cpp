@@ -98,7 +98,7 @@ TEST(PropertyFemModes, SixRigidMotionsOfEachFreePieceAreLeftOutAndAlikeModesAllF
       judge_modes(plates, ElasticTable::uniform(8, 0.3), even_density(1100), {}, 8);
   EXPECT_EQ(judged.found.report.rigid_modes, 12);
   expect_eigenvalues(judged);
-  // With one of them held at its edge, the other one stays at rest.
+  // The other plate stays at rest when one is held at its edge.
   const JudgedModes one =
       judge_modes(plates, ElasticTable::uniform(8, 0.3), even_density(1100),
                   {hold_where(plates, [](const Vec3d& x) { return x.x < -0.49; })}, 8);

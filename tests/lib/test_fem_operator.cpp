@@ -40,7 +40,7 @@ std::vector<double> at_nodes(const HexMesh& mesh, const std::function<Vec3d(cons
   return u;
 }
 
-/// Of the corners of a cell, at a place among its 27.
+/// Weights of the corners of a cell at a place among its 27.
 std::array<double, 8> weights_at(int place) {
   const Vec3d halves(Vec3i(place / 9, place / 3 % 3, place % 3));
   return corner_weights(halves / 2.0);

@@ -1,4 +1,4 @@
-// What finite elements see of a body with rigid pieces, and that these find a class of their own.
+// Solids that finite elements make of bodies with rigid pieces, which find a class of their own.
 #include <set>
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ Body half_rigid_block(const std::string& stiffness) {
   return body;
 }
 
-/// How many classes the tissue below has.
+/// Checks moduli; returns the number of classes that the tissue below has.
 std::size_t check_moduli(const Body& body) {
   const FemSolid solid = fem_solid(body, body.cuts, kBoneKpa, kBonePoisson);
   const ElasticTable own = material_elasticity(body.material);

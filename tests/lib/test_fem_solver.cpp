@@ -187,7 +187,7 @@ TEST(PropertyFem, LoadsAreCarriedByWhatHoldsTheBody) {
   for (int a = 0; a < 3; ++a) {
     EXPECT_NEAR(by_force.force_n[a], loads.forces[0].force_n[a], 1e-7);
   }
-  // About the middle of the held face; the force acts at the middle of its elements.
+  // The moment is about the held face's middle; the force acts at the middle of its elements.
   const Vec3d arm = Vec3d(3, 5, 7) - by_force.centre_mm;
   const Vec3d moment = arm.cross(loads.forces[0].force_n);
   for (int a = 0; a < 3; ++a) EXPECT_NEAR(by_force.moment_nmm[a], moment[a], 1e-5);

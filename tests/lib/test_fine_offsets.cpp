@@ -1,4 +1,4 @@
-// What relaxation keeps of an offset beyond 2^-16 voxel, from one run to the next.
+// Fractions of offsets beyond 2^-16 voxel, which relaxation keeps from one run to the next.
 #include <random>
 
 #include <gtest/gtest.h>

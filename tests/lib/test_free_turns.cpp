@@ -63,7 +63,7 @@ double voxels(const Session& session, const Vec3i& at, int c) {
   return double(session.body().offset(at, c)) / kVoxel;
 }
 
-/// By how much the length of the rod differs from that at rest.
+/// Difference of the rod's length from that at rest.
 double stretch(const Session& session) {
   Vec3d between(5, 0, 0);
   for (int c = 0; c < 3; ++c) {

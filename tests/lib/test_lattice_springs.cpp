@@ -194,7 +194,7 @@ TEST(PropertyLatticeSprings, OffsetsFractionsAndVelocitiesGoToSpringsAndBackBitF
 }
 
 TEST(PropertyLatticeSprings, SpringsOfTheMaterialAreAnIsotropicSolid) {
-  // Per cell of an affine strain, away from the surface: lambda / 2 tr^2 + mu eps : eps.
+  // Energy per cell of an affine strain, away from the surface: lambda / 2 tr^2 + mu eps : eps.
   std::mt19937 random(29);
   std::uniform_real_distribution<double> small(-1e-5, 1e-5);
   MaterialTable table = linear_table(1.5, 0.6, 0.7);

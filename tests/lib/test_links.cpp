@@ -123,8 +123,8 @@ TEST(PropertyLinks, DiagonalsExistWhereAMonotonePathOfUncutLinksJoinsTheirEnds) 
 
 namespace {
 
-/// How far beyond its surface a ball of radius 3 that moves by 4 voxels along k takes tissue with
-/// it by at least a tenth of that: along i and along the diagonal of the cell, in voxels.
+/// Distance beyond its surface to which a ball of radius 3, moved by 4 voxels along k, takes tissue
+/// with it by at least a tenth of that: in voxels, along i and along the diagonal of the cell.
 struct Reach {
   double axis, diagonal;
 };
@@ -222,7 +222,7 @@ TEST(PropertyLinks, RelaxationThatConservesVolumeLeavesAValidConfigurationOfAllL
     EXPECT_FALSE(same_offsets(body, before));
     for (int j = 0; j < 11; ++j) EXPECT_EQ(body.offset({0, j, 4}, 2), 0);
     EXPECT_EQ(body.offset({12, 5, 4}, 2), -3 * kVoxel);
-    // Of the state that is left, not of the one before diagonals moved it back.
+    // The energy is that of the state that is left, not of the one before diagonals moved it back.
     RelaxParams none = params;
     none.passes = 0;
     EXPECT_DOUBLE_EQ(report.energy_after, relax(body, fixed, holds, none).energy_after);

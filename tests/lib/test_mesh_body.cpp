@@ -78,7 +78,7 @@ TEST(UnitMeshBody, WhatIsWrongWithConnectorsIsNamed) {
 }
 
 TEST(UnitMeshBody, CornersAtOnePlaceBecomeOneVertex) {
-  // As STL stores them: every corner of both triangles anew, and one triangle that collapses.
+  // STL stores every corner of both triangles anew; one triangle collapses.
   const TriangleMesh of = kite();
   TriangleMesh soup;
   for (const auto& t : of.triangles) {

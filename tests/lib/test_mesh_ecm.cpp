@@ -222,7 +222,7 @@ TEST(PropertyMeshEcm, WhatBreaksLimitsIsProjectedToTheMiddleOfItsEnvelopes) {
     EXPECT_EQ(ecm.check_links().violated, broken);
     const Wide largest = brute.project();
     EXPECT_EQ(brute.broken_links(), 0);
-    // By itself, and as the beginning of a drag.
+    // It projects by itself, and as the beginning of a drag.
     MeshBody other = body;
     const MeshProjection own = MeshEcm(other, limits).project();
     EXPECT_EQ(own.violated_links, broken);

@@ -94,7 +94,7 @@ TEST(UnitBlockLdlt, ItsSolutionSatisfiesTheEquations) {
     std::vector<Vec3d> x = right;
     factors.solve(x);
     ASSERT_LT(distance(matrix * x, right), 1e-8);
-    // With a negative eigenvalue it says so.
+    // The factors say so if an eigenvalue is negative.
     matrix.diagonal[rows / 2][run % 3] = -1;
     EXPECT_FALSE(factors.factorise(matrix.diagonal, matrix.coupling));
   }

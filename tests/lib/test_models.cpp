@@ -143,7 +143,7 @@ TEST(PropertyModels, ThousandStepsWithAnotherModelEveryTenNeitherJumpNorDrift) {
     } else if (auto* relaxed = dynamic_cast<RelaxModel*>(model.get())) {
       projected = relaxed->report().projected_max_voxels;
     }
-    // What the next model starts from is what the last one left, but for the reported projection,
+    // The next model starts from the state that the last one left, but for the reported projection,
     // and the fractions of what that moved.
     const Jump jump = between(before, seen_by(*model, scene));
     EXPECT_LE(jump.voxels, projected + 0.51 / kVoxel) << n;
@@ -200,7 +200,7 @@ TEST(PropertyModels, AMotionThatIsHandedOverEveryTenStepsIsThatOfOneModel) {
       VoxelSpringModel part(parts.held(), springs, motion(method, 5e-4));
       run_model(part, 10);
       travelled += between(before, parts.body).voxels;
-      // In between another model looks at the body and does nothing.
+      // Another model in between looks at the body and does nothing.
       EXPECT_GE(VoxelEcmModel(parts.held()).energy().elastic_j, 0);
     }
     EXPECT_GT(travelled, 1.2) << name_of(method);

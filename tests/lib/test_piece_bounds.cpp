@@ -76,7 +76,7 @@ struct HeldPieces {
     return {Region::of_points(std::move(voxels), "piece"), some(random)};
   }
 
-  /// Where what is held is in one coordinate, as far as it bounds from that side.
+  /// Places of held elements in one coordinate, as far as they bound from that side.
   HeldPlaces places(const std::vector<Handle>& handles, std::size_t c, bool raises) const {
     HeldPlaces held;
     const auto now = [&](Slot slot) { return body.q[c].at(slot); };

@@ -51,7 +51,7 @@ struct Row {
     drag(body, {{last, by}}, fixed, holds);
   }
   RelaxReport relax_fully() { return relax(body, fixed, holds, to_rest()); }
-  /// At the last element and at the first.
+  /// Reactions at the last element and at the first.
   std::vector<Reaction> ends() const {
     return reactions(body, {slots_of(body, last), slots_of(body, {0, 0, 0})},
                      slots_of(body, {0, 0, 0}), holds);
@@ -72,7 +72,7 @@ bool any_taut(const Reaction& reaction) {
   return reaction.taut[0] || reaction.taut[1] || reaction.taut[2];
 }
 
-/// Whether a link is nearly at its limit, where one step more or less makes a difference.
+/// True if a link is nearly at its limit, where one step more or less makes a difference.
 bool has_nearly_tight(const Body& body) {
   bool found = false;
   for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
@@ -266,7 +266,7 @@ TEST(PropertyReaction, AtTheMinimumItIsTheSlopeOfTheLeastEnergy) {
     EXPECT_NEAR(force, -slope, 1e-3 * std::abs(slope) + 1e-3) << n;
     if (std::abs(slope) < 1e-2) continue;
     ++compared;
-    // Where the handle's own springs alone would be far from that.
+    // Counts cases where the handle's own springs alone would be far from that.
     body.q[0].set(slot, body.q[0].at(slot) + 1);
     const double further = spring_energy(body);
     body.q[0].set(slot, body.q[0].at(slot) - 2);
@@ -319,7 +319,7 @@ TEST(PropertyReaction, OfSpringsAndCellsItIsTheSlopeOfTheirEnergy) {
     block.table.stiffness = Curve{{{0, 1}, {255, 6}}};
     block.table.poisson = Curve{{{0, 0.49}, {255, 0.1}}};
     Body body = body_of(block);
-    // None, after the material, or the same for all.
+    // Bulk moduli: none, after the material, or the same for all.
     std::optional<double> kpa = 0;
     if (n % 4 != 0) kpa = n % 4 == 2 ? std::nullopt : std::optional<double>(40);
     const CellModuli moduli = kpa ? CellModuli{*kpa, {}} : moduli_by_poisson(body);
@@ -491,7 +491,7 @@ TEST(UnitReaction, APushHandleFeelsWhatLiesAtItsBound) {
 TEST(PropertyReaction, ABodyAtRestPullsAtNothing) {
   std::mt19937 random(31);
   for (int n = 0; n < 20; ++n) {
-    // With rigid parts, too, of which nothing is taut as long as nobody pulls.
+    // There are rigid parts, too, of which nothing is taut as long as nobody pulls.
     const Block block = random_block(random, {5, 5, 5});
     const Body body = body_of(block);
     const SlotSet handle = slots_of(body, block.voxel(random_element(random, block)));

@@ -80,7 +80,7 @@ std::function<bool(const Vec3d&)> polytope(std::mt19937& random, const Vec3i& di
   };
 }
 
-/// Whether the way from `from` to `to` along i, then j, then k stays in the body.
+/// True if the way from `from` to `to` along i, then j, then k stays in the body.
 bool staircase_inside(const Body& body, const Vec3i& from, const Vec3i& to) {
   Vec3i voxel = from;
   for (int axis = 0; axis < 3; ++axis) {
@@ -93,8 +93,8 @@ bool staircase_inside(const Body& body, const Vec3i& from, const Vec3i& to) {
   return true;
 }
 
-/// What the original ChainMail reaches it moves as ECM does; the rest stays. Returns how many of
-/// the elements that ECM moves the original leaves behind.
+/// Expects that the original ChainMail moves what it reaches as ECM does; the rest stays. Returns
+/// the number of elements that ECM moves and the original leaves behind.
 int expect_staircase_law(const Body& before, const Body& original, const Body& ecm,
                          const Vec3i& grabbed) {
   int left_behind = 0;
@@ -258,7 +258,7 @@ TEST(UnitOriginalChainMail, LeavesTheOtherArmOfAUBehind) {
     furthest =
         std::max(furthest, std::abs(std::int64_t(ecm.q[0].at(slot)) - original.q[0].at(slot)));
   });
-  // Of 112 elements the tip's row and columns hold 48: its arm, and the bar under it.
+  // The tip's row and columns hold 48 of 112 elements: its arm, and the bar under it.
   EXPECT_EQ(left_behind, 64);
   // The bar tears along its 4 links; ECM brings 20 - 8 * 0.7 - 4 * 0.5 voxels across.
   EXPECT_EQ(check.violated, 4);

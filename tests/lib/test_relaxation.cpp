@@ -73,7 +73,7 @@ TEST(PropertyRelaxation, EveryPassLeavesAValidBodyOfNoMoreEnergy) {
 }
 
 TEST(PropertyRelaxation, ASweepEndsAtWholeNumbers) {
-  // So that no inequality is lost to rounding, however many sweeps follow each other.
+  // No inequality may be lost to rounding, however many sweeps follow each other.
   std::mt19937 random(13);
   const Dragged start = dragged(random, {8, 8, 8});
   const LinkTable table(start.body, 0, RigidLinks::absent);

@@ -109,7 +109,7 @@ TEST(ExtremesRelaxation, StiffPartsComeToTheLeastEnergyInPassesThatHardlyDependO
 }
 
 TEST(ExtremesRelaxation, SmallStepsFarFromTheLeastEnergyAreNotCalledConverged) {
-  // Without stepping stiff parts as one, passes move next to nothing long before the minimum.
+  // Passes move next to nothing long before the minimum unless stiff parts are stepped as one.
   for (const double contrast : {1e4, 1e6, 1e8}) {
     const Dragged bar = drawn_bar(contrast);
     const double least = least_energy(bar);

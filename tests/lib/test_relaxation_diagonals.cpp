@@ -160,7 +160,7 @@ TEST(PropertyRelaxation, WithDiagonalsAnAffineShapeIsAtRestInside) {
 
 namespace {
 
-/// How far the relaxed offsets two and three voxels beside a single voxel that is held differ from
+/// Difference of the relaxed offsets two and three voxels beside a single voxel that is held from
 /// those of a sphere, 1/r - 1/R: the spread of offset * r over directions, relative to the mean.
 double anisotropy(int links) {
   constexpr int kAcross = 33, kCentre = 16;

@@ -1,4 +1,4 @@
-// How near relaxation comes to the least energy that the limits allow, found by another method.
+// Distance of relaxation from the least energy that limits allow, found by another method.
 #include <algorithm>
 
 #include <gtest/gtest.h>

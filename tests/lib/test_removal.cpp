@@ -1,4 +1,4 @@
-// What is left behind where elements are taken out.
+// Remains of bodies where elements are taken out.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -25,7 +25,7 @@ RigidMotion random_motion(std::mt19937& random) {
   return motion;
 }
 
-/// By the formula of Rodrigues, as a matrix would.
+/// Turns by the formula of Rodrigues, as a matrix would.
 Vec3d turned(const Vec3d& v, const Vec3d& axis, double angle_deg) {
   const Vec3d n = axis.normalized();
   const double angle = angle_deg * 3.14159265358979323846 / 180;
@@ -198,7 +198,7 @@ TEST(UnitRigid, ElementsGoToTheNearestSeedByWayOfTheSetInMm) {
   };
   const auto parts = flooded_parts(body, {}, {}, set, {slot(11, 0), slot(3, 2)});
   ASSERT_EQ(parts.size(), 2u);
-  // From (3, 2) it is 3 + 8 + n mm to (n, 0), from (11, 0) it is 11 - n: equal at 0.
+  // The way from (3, 2) is 3 + 8 + n mm to (n, 0), that from (11, 0) is 11 - n: equal at 0.
   EXPECT_EQ(parts[0].size(), 12u);
   EXPECT_EQ(parts[1].size(), 13u);
   EXPECT_TRUE(parts[0].contains(slot(0, 0)));

@@ -62,7 +62,7 @@ std::array<Vec3d, 8> corners_of(const Body& body, const IndexBox& box) {
   return places;
 }
 
-/// By how much distances between the corners of a box differ from those at rest, mm.
+/// Largest change of distances between the corners of a box from those at rest, mm.
 double bend(const Body& body, const IndexBox& box) {
   Body rest = body;
   for (BrickValues& q : rest.q) q.clear();
@@ -394,7 +394,7 @@ TEST_F(UnitPieces, AJointSpacePartsTissueHalfwayBetweenNearPieces) {
     part.selection->box = box;
     request.rigid.parts.push_back(part);
   }
-  // From 9 to 14 it is 5 mm: too far for a joint of 4.5, near enough for one of 5.
+  // The gap from 9 to 14 is 5 mm: too far for a joint of 4.5, near enough for one of 5.
   request.rigid.joint_mm = 4.5;
   Session apart(m_folder / "bars.nhdr", m_options);
   apart.step(request);

@@ -349,7 +349,7 @@ TEST_F(UnitSession, WithoutRelaxationThereIsNoStiffness) {
     request.drags.push_back({Region(kGrabbed), {0, 3, 0}});
     if (asked) request.relax = RelaxParams();
     session.step(request, &heard);
-    // What relaxation leaves beside the offsets.
+    // Relaxation leaves fractions beside the offsets.
     EXPECT_EQ(session.body().fraction[1].stored_bricks() > 0, asked);
     return std::count(heard.stages.begin(), heard.stages.end(), "relaxing") > 0;
   };

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kLong = 24, kTall = 18, kBone = 4;  // voxels; cuts end above z = kBone
 
-/// By the links of the material.
+/// Tests with the number of links of the material as parameter.
 class PropertySessionContact : public ::testing::TestWithParam<int> {
  protected:
   PropertySessionContact() {
@@ -229,7 +229,7 @@ TEST_P(PropertySessionContact, TissueStopsNoDragOfBone) {
   EXPECT_EQ(session.body().offset({4, 4, 1}, 2), 3 * 65536);
   ASSERT_TRUE(session.undo());
   ASSERT_TRUE(session.undo());
-  // So are drags at once.
+  // A drag at once ends there, too.
   lift.shift_pieces = false;
   const StepRecord& record = session.step(lift);
   EXPECT_EQ(record.contact.parts, kContactParts);
@@ -237,7 +237,7 @@ TEST_P(PropertySessionContact, TissueStopsNoDragOfBone) {
   EXPECT_EQ(session.body().offset({4, 4, 1}, 2), 3 * 65536);
 }
 
-/// On the straight way the bone would bend: it goes the whole of it, and lips that find room part.
+/// The bone would bend on the straight way: it goes the whole of it, and lips that find room part.
 TEST_P(PropertySessionContact, BoneThatTurnsKeepsItsShapeAndLipsPart) {
   Session session(volume(), options("rigid = [150, 255]\n"));
   session.cut(incision(4, 20));

@@ -77,7 +77,7 @@ TEST(UnitSpringIntegrators, OneStepOfAMassOnADrivenSpringIsTheImplicitOne) {
     EXPECT_NEAR(system.velocity_mm_s[1].x, v1, 1e-6 * std::abs(v1)) << name;
     EXPECT_NEAR(system.pos_mm[1].x, 11.5 + h * v1, 1e-6) << name;
     EXPECT_EQ(system.pos_mm[0], Vec3d(e, 0, 0));
-    // What the spring does at the held end, less what that end's own damping and inertia take.
+    // Pull of the spring at the held end, less the damping and inertia of that end itself.
     const double pull =
         k * (1.5 + h * v1 - e) + d * (v1 - e / h) - alpha * m * e / h - m * e / (h * h);
     EXPECT_NEAR(integrator->reactions_n()[0].x, pull * 1e-3, 1e-9 * std::abs(pull)) << name;

@@ -143,7 +143,7 @@ TEST(UnitTighten, TheMeanOfTheLinksAtBothEndsCounts) {
   // One of the four links across is 1.5 long.
   body.q[0].set(slot_at(body, {2, 0, 0}), kVoxel / 2);
   EXPECT_EQ(range_at(body, 1, {1, 0, 0}).most, std::lround((1 / std::sqrt(1.125) - 1) * kVoxel));
-  // Without the one beside it there are three.
+  // There are three links without the one beside it.
   block.cut.assign(6, 0);
   block.cut[0] = 1;
   Body cut = body_of(block);

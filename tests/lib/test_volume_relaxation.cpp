@@ -17,7 +17,7 @@ namespace {
 
 constexpr RelaxMethod kMethods[] = {RelaxMethod::red_black, RelaxMethod::accelerated};
 
-/// Without one: those that follow from the material.
+/// Parameters with that modulus; none: those that follow from the material.
 RelaxParams with_bulk_modulus(std::optional<double> kpa, int passes = 20) {
   RelaxParams params;
   params.bulk_modulus_kpa = kpa.value_or(0);
@@ -314,7 +314,7 @@ TEST(PropertyVolumeRelaxation, ARigidPartMovesAsOneToWhereTheEnergyIsLeast) {
 TEST(ConvergenceVolumeRelaxation, ABlockThatIsPressedKeepsItsVolumeOnlyWithConservation) {
   const Body rest = body_of(homogeneous({9, 9, 11}, 3, 0.2, 2));
   Body off = rest, on = rest;
-  // Without it nothing couples the coordinates: nothing moves sideways, and the volume lost is the
+  // Nothing couples the coordinates without it: nothing moves sideways, and the volume lost is the
   // strain, 30 % everywhere.
   RelaxParams params = with_bulk_modulus(0, 1000);
   params.tolerance_voxels = 1e-6;
@@ -324,7 +324,7 @@ TEST(ConvergenceVolumeRelaxation, ABlockThatIsPressedKeepsItsVolumeOnlyWithConse
   const RelaxReport report = relax(on, {}, press(on, 0.3), with_bulk_modulus(100, 500));
   EXPECT_NEAR(report.volumes_before->ratio(), 0.7, 0.1);
   EXPECT_NEAR(report.volumes_after->ratio(), 1, 0.01);
-  // Without friction it widens alike on both axes, everywhere but near its surface.
+  // Free of friction, the block widens alike on both axes, everywhere but near its surface.
   const double wider = (on.offset({8, 4, 5}, 0) - on.offset({0, 4, 5}, 0)) / kFixedOne / 8;
   EXPECT_NEAR(wider, std::sqrt(report.volumes_after->ratio() / 0.7) - 1, 0.02);
 }
@@ -375,7 +375,7 @@ TEST(ConvergenceVolumeRelaxation, LetGoABodyReturnsToItsShape) {
   params.tolerance_voxels = 1e-7;
   const RelaxReport report = relax(body, {Region({6, 6, 6})}, {}, params);
   EXPECT_TRUE(report.converged);
-  // As far away as the element that is held.
+  // All elements have gone as far as the one that is held.
   for (std::size_t c = 0; c < 3; ++c) {
     const double held = body.offset({6, 6, 6}, int(c)) / kFixedOne;
     for_each_element(body.elements,

@@ -87,8 +87,8 @@ inline TransferFunction fog_function(double opacity_per_mm) {
   return f;
 }
 
-/// From anterior, parallel; right is x, up is z. Of height `height_mm` and as many pixels a voxel
-/// of cube_geometry has one.
+/// Parallel camera from anterior; right is x, up is z. Its height is `height_mm`: in as many pixels
+/// a voxel of cube_geometry has one.
 inline Camera front_camera(double height_mm) {
   Camera camera;
   camera.projection = Projection::orthographic;
@@ -97,7 +97,7 @@ inline Camera front_camera(double height_mm) {
   return camera;
 }
 
-/// Also where both are not a number.
+/// True if all bits are the same, also where both are not a number.
 inline bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }

@@ -1,4 +1,4 @@
-// What is written over pictures: the patient's sides, lengths, and pixels that are drawn.
+// Writing over pictures: the patient's sides, lengths, and pixels that are drawn.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -34,7 +34,7 @@ RenderSettings settings() {
   return settings;
 }
 
-/// Where the ray of a pixel enters the ball around `centre`, mm from its origin.
+/// Distance in mm from its origin at which a pixel's ray enters the ball around `centre`.
 std::optional<double> entry(const Ray& ray, const Vec3d& centre) {
   const Vec3d to_centre = centre - ray.origin_lps_mm;
   const double along = to_centre.dot(ray.direction_lps);

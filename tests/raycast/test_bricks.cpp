@@ -275,7 +275,7 @@ TEST(UnitBricks, VectorsThatLeadNowhereCountAsNone) {
   }
 }
 
-/// What a sample could tell of a brick: nothing, no brick and one without densities are the same.
+/// Compares all that samples tell of a brick: nothing, no brick and no densities are the same.
 void expect_same_brick(const OffsetBricks& a, const OffsetBricks& b, const Vec3i& origin) {
   const std::int32_t m = a.find(origin), n = b.find(origin);
   const auto is = [](const OffsetBricks& bricks, std::int32_t brick, bool deformed) {
@@ -328,7 +328,7 @@ TEST(PropertyBricks, UpdatedBricksAreThoseOfTheChangedOffsets) {
   std::mt19937 random(7);
   const SourceBricks source(
       grid_of(voxels_of({40, 40, 40}, everywhere), [](const Vec3d& p) { return 10 * p.x + p.y; }));
-  // Of the changed bricks some vectors, and which voxels have any.
+  // Some vectors of the changed bricks change, and which voxels have any.
   BrickTopology where = voxels_of({40, 40, 40}, [](const Vec3i& v) { return v.z < 30; });
   VectorBricks offsets = offsets_of(where, [](const Vec3d&) { return Vec3d(0); });
   OffsetBricks followed(source, offsets);

@@ -135,7 +135,7 @@ TEST(PropertyMaximum, EqualsBruteForceAlongVoxelColumns) {
   };
   const Renderer renderer(geometry, grid_of(voxels_of(Vec3i(kDim), everywhere), at));
 
-  // From anterior: columns along y; to the right, the patient's left (x), and up z.
+  // The view is from anterior: columns along y; to the right, the patient's left (x), and up z.
   Camera camera;
   camera.projection = Projection::orthographic;
   camera.position_lps_mm = {0, -100, 0};
@@ -196,7 +196,7 @@ TEST(PropertyClip, ACutOfTheTissueMovesWithIt) {
       0.97);
 }
 
-/// What a plane opens is as bright as the plane, however rough the densities behind it.
+/// A face that a plane opens is as bright as the plane, however rough the densities behind it.
 TEST(PropertyClip, AFaceIsShadedAsAPlane) {
   const Geometry geometry = cube_geometry(kClipSize);
   std::mt19937 random(5);

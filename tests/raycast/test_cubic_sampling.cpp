@@ -169,7 +169,7 @@ DensityGrid thick_ball(const Geometry& geometry, double radius_mm) {
   });
 }
 
-/// Of the normals of a surface at half the density, against the ball's own; degrees.
+/// Mean error of a surface's normals at half the density, against the ball's own; degrees.
 double mean_normal_error(const Renderer& renderer, const Geometry& geometry) {
   TransferFunction function = fog_function(1);
   function.opacity = {{499, 0}, {500, 1}, {1000, 1}};

@@ -143,7 +143,7 @@ struct ParedBlock {
     return true;
   }
   double height(const Vec3d& X) const { return (X - middle).dot(normal); }
-  /// Where the plane crosses the links, known or not.
+  /// Cuts of the links that the plane crosses, their places known or not.
   LinkCuts cuts(bool has_places) const {
     LinkCuts all;
     for (std::size_t b = 0; b < elements.brick_count(); ++b) {
@@ -184,7 +184,7 @@ struct ParedBlock {
     camera.height_mm = 30;
     return camera;
   }
-  /// Whether a ray meets the bare face of the half that stays, away from its edges.
+  /// True if a ray meets the bare face of the half that stays, away from its edges.
   bool meets_face(const Ray& ray, const Vec3d& move) const {
     const Vec3d from = geometry.index_from_world(ray.origin_lps_mm);
     const double t = -height(from) / ray.direction_lps.dot(normal);

@@ -33,7 +33,7 @@ std::vector<Camera> cameras_of_all_kinds() {
   return cameras;
 }
 
-/// Where points lie in a picture of 1 by 1.
+/// Box of points in a picture of 1 by 1.
 struct SeenBox {
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
 

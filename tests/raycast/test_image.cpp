@@ -109,7 +109,7 @@ TEST(UnitCompare, EqualImagesHaveSsimOneAndNoDifference) {
 }
 
 TEST(UnitCompare, UniformImagesByHand) {
-  // Without variance SSIM is the luminance term (2ab + C1) / (a^2 + b^2 + C1).
+  // SSIM without variance is the luminance term (2ab + C1) / (a^2 + b^2 + C1).
   const Image a = uniform(16, 16, {255, 255, 255, 255}), b = uniform(16, 16, {51, 51, 51, 255});
   const Comparison result = compare(a, b, false);
   EXPECT_NEAR(result.ssim, (2 * 0.2 + 1e-4) / (1 + 0.04 + 1e-4), 1e-9);

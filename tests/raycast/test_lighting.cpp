@@ -278,8 +278,8 @@ TEST(PropertyShadow, AThinShellLetsNoLightIn) {
   EXPECT_LT(brightest(true), 0.13f);
 }
 
-/// Before a plane, `distance` from another one across it: the cosine-weighted mean, over the
-/// hemisphere, of the free share of a path of `radius`.
+/// Openness before a plane, `distance` from another one across it: the cosine-weighted mean, over
+/// the hemisphere, of the free share of a path of `radius`.
 double openness_beside_a_wall(double distance, double radius) {
   constexpr int kSteps = 200;
   double sum = 0;

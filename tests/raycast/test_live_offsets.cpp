@@ -213,7 +213,7 @@ AnalyticWarp small_dent(const Vec3d& center) {
   return warp;
 }
 
-// Beside the body, and at its edge, rays pass through without becoming opaque.
+// Rays beside the body, and at its edge, pass through without becoming opaque.
 TEST(PropertyLiveOffsets, WhatMovesBehindAnOpaqueSurfaceIsNotMarchedAgain) {
   const LiveScene scene;
   const auto changed_from = [&](const std::string& side) {

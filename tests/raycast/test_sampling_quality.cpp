@@ -1,4 +1,4 @@
-// How rays are sampled: blue noise, jitter, classification before and after interpolation.
+// Sampling of rays: blue noise, jitter, classification before and after interpolation.
 #include <set>
 
 #include <gtest/gtest.h>

@@ -184,7 +184,7 @@ TEST(UnitSlice, ASlabGathersAlongItsThickness) {
   EXPECT_EQ(shown(SlabMode::minimum), 6);
   style.thickness_mm = 0;
   EXPECT_EQ(shown(SlabMode::mean), 16);
-  // At the border only what lies inside counts: -1.5 does not, -0.5, 0.5 and 1.5 do.
+  // Only what lies inside counts at the border: -1.5 does not, -0.5, 0.5 and 1.5 do.
   style.thickness_mm = 4;
   const Geometry border = slice_grid(geometry, SlicePlane::axial, {4, 4, 0}, 1);
   style.slab = SlabMode::maximum;

@@ -38,7 +38,7 @@ TEST(PropertyStereo, DisparityIsHorizontalAndNoneInThePlaneOfTheTarget) {
           camera.target_lps_mm + frame.right * right + frame.up * up - frame.forward * nearer_mm;
       const Pixel left_eye = pixel_of(eyes.left, place), right_eye = pixel_of(eyes.right, place);
       EXPECT_NEAR(left_eye.y, right_eye.y, 1e-9);
-      // By similar triangles; eyes cross for what lies in front of the window.
+      // Similar triangles give the distance; eyes cross for what lies in front of the window.
       const double distance = (camera.target_lps_mm - camera.position_lps_mm).length();
       const double pixels_per_mm = kHeight / 2 / (distance * std::tan(15 * M_PI / 180));
       EXPECT_NEAR(left_eye.x - right_eye.x, 60 * nearer_mm / (distance - nearer_mm) * pixels_per_mm,

@@ -374,7 +374,7 @@ TEST(PropertySurface, AMeshMovedAlongStaysOnTheDeformedSurface) {
     largest = std::max(largest, (moved[n] - rest[n]).length());
   }
   EXPECT_GT(largest, 2);
-  // Beyond the material a point moves, too, and not wildly.
+  // A point beyond the material moves, too, and not wildly.
   const Vec3d far = moved_along(u, {geometry.world_from_index({20, 60, 20})}).front();
   EXPECT_LT((far - geometry.world_from_index({20, 60, 20})).length(), 4);
 }

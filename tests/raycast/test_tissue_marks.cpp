@@ -1,4 +1,4 @@
-// What shows in space how tissue has moved: arrows, the grid on its surface, surfaces of labels.
+// Marks in space of how tissue has moved: arrows, the grid on its surface, surfaces of labels.
 #include <cmath>
 #include <random>
 
@@ -13,8 +13,8 @@
 namespace supple {
 namespace {
 
-/// Of a closed mesh around a point: 1 inside, 0 outside (A. Van Oosterom and J. Strackee, The solid
-/// angle of a plane triangle, IEEE Transactions on Biomedical Engineering 30(2), 1983).
+/// Winding of a closed mesh around a point: 1 inside, 0 outside (A. Van Oosterom and J. Strackee,
+/// The solid angle of a plane triangle, IEEE Transactions on Biomedical Engineering 30(2), 1983).
 double winding_number(const TriangleMesh& mesh, const Vec3d& point) {
   double angle = 0;
   for (const auto& triangle : mesh.triangles) {
@@ -32,7 +32,7 @@ double winding_number(const TriangleMesh& mesh, const Vec3d& point) {
   return angle / (4 * 3.14159265358979);
 }
 
-/// Also where it has one voxel, holes and edges that two parts share, on a left-handed grid, too.
+/// Labels may have one voxel, holes and edges that two parts share, also on left-handed grids.
 TEST(PropertyLabelSurfaces, EveryVoxelLiesInTheSurfaceOfItsLabelAndInNoOther) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> any(0, 3);

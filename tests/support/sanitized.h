@@ -10,7 +10,7 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 
-/// How many of `n` random cases are tried, and how many of `n` events among them are expected.
+/// Number of `n` random cases that are tried, or of `n` events among them that are expected.
 constexpr int cases(int n) {
   return kSanitized ? (n + 19) / 20 : n;
 }

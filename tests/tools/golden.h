@@ -1,5 +1,5 @@
-// What the golden-image tests share: the scenes of tests/golden, run as a user runs them, and the
-// comparison of their pictures with the committed references.
+// Shared parts of the golden-image tests: the scenes of tests/golden, run as a user runs them, and
+// the comparison of their pictures with the committed references.
 #pragma once
 
 #include <string>
@@ -40,8 +40,8 @@ class GoldenFolder {
   TemporaryFolder m_folder;
 };
 
-/// On failure the image, the reference and their difference are kept under the build folder's
-/// test-output/golden.
+/// Compares a picture. On failure the image, the reference and their difference are kept under the
+/// build folder's test-output/golden.
 void expect_golden(const GoldenFolder& folder, const std::string& name);
 
 /// All channels that write_exr() writes.

@@ -1,4 +1,4 @@
-// What the options of a command do, the keys of a scene do, and the other way round.
+// Options of a command do what the keys of a scene do, and the other way round.
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"

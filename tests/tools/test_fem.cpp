@@ -357,7 +357,7 @@ TEST_F(UnitFemScene, AtFiniteStrainABarIsStretchedByAHalf) {
   // Far from the ends, which hold the section, the bar grows thinner, and longer by a half.
   const double strain = load_volume(m_folder / "strain.nrrd").density.at({2, 2, 4});
   EXPECT_NEAR(strain, 0.5, 0.05);
-  // By linear theory 10 kPa.
+  // Linear theory would give 10 kPa.
   EXPECT_NEAR(load_volume(m_folder / "mises.nrrd").density.at({2, 2, 4}), 7.75, 0.25);
 }
 
@@ -380,7 +380,7 @@ TEST_F(UnitFemScene, ABarThatIsLetGoSwingsAndIsFilmed) {
   const std::vector<std::vector<double>> rows = rows_of("swing.csv");
   ASSERT_EQ(rows.size(), 145u);
   EXPECT_EQ(read_text(m_folder / "swing.csv").find("time_s,elastic_mj,kinetic_mj,work_mj,"), 0u);
-  // Beside five columns of energy and size, u of the voxels.
+  // Columns of u of the voxels follow five of energy and size.
   EXPECT_EQ(rows[0].size(), 12u);
   EXPECT_NEAR(rows[0][8], 0.125, 1e-6);
   EXPECT_NEAR(rows[72][8], -0.125, 0.01);
@@ -421,7 +421,7 @@ TEST_F(UnitFemScene, AHandleMovesSmoothlyInTimeAndFeelsTheBody) {
   ASSERT_EQ(rows.size(), 201u);
   EXPECT_EQ(rows[0].size(), 9u);  // with the force on the handle
   EXPECT_NE(read_text(m_folder / "pull.csv").find(",force_1_1_z_n\n"), std::string::npos);
-  // At the end it rests under the force that equilibrium has.
+  // It rests at the end under the force that equilibrium has.
   EXPECT_NEAR(rows.back()[8], -m_stress_kpa * 15e-3, 1e-3 * m_stress_kpa * 15e-3);
   EXPECT_NEAR(step["reactions"][0]["force_n"][2], rows.back()[8], 1e-8);
   EXPECT_NEAR(rows[50][5], 0.0625, 1e-3);  // half of the way in half of the time

@@ -110,7 +110,7 @@ TEST_F(PropertyFilm, AFilmThatWasKilledGoesOnWithTheSameBytes) {
   const Outcome whole = run("whole");
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
   ASSERT_EQ(run("part", {"--frames", "0:2"}).exit_code, 0);
-  // As a process leaves it that was killed in frame 2 and had gone on elsewhere.
+  // The folder is as a process left it that was killed in frame 2 and had gone on elsewhere.
   std::filesystem::remove(m_folder / "part/s_02.vdb");
   write_text(m_folder / "part/.supple-1-f_03.png", "half");
   expect_refused(run("part"), {"f_00.png", "--force", "--resume"});

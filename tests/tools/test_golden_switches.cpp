@@ -1,5 +1,5 @@
-// What makes pictures of deformed tissue right, switched off one by one: each time a golden image
-// must fail by a wide margin (docs/building.md lists by how much).
+// Parts that make pictures of deformed tissue right, switched off one by one: each time a golden
+// image must fail by a wide margin (docs/building.md lists by how much).
 #include <gtest/gtest.h>
 
 #include "raycast/pictures/compare.h"
@@ -36,7 +36,7 @@ class GoldenSwitches : public ::testing::Test {
     EXPECT_LE(same.rmse, kMaxRmse) << golden;
     EXPECT_GE(same.ssim, kMinSsim) << golden;
   }
-  /// Not by rounding: the loss is at least five times what is allowed.
+  /// Expects a loss of at least five times what is allowed, which is none of rounding.
   void expect_golden_fails(const std::string& golden, const std::string& look) const {
     const Comparison changed = against(golden, look);
     EXPECT_GT(changed.rmse, 5 * kMaxRmse) << golden;

@@ -70,7 +70,7 @@ TEST_F(UnitHandles, PointsWithDisplacementsAreHandlesOfTheirOwnAndTakeNoBy) {
                 .exit_code,
             0);
   EXPECT_EQ(resampled("moves.vdb"), resampled("pairs.vdb"));
-  // Beside others, the pairs go on in order.
+  // The pairs go on in order beside others.
   ASSERT_EQ(deform("mixed.vdb", {"--grab", "8,5,8", "--grab", m_folder / "moves.csv", "--grab",
                                  "8,11,8", "--by", "2,0,0", "--by", "2,0,0"})
                 .exit_code,

@@ -87,7 +87,7 @@ std::string text_of(const std::string& file) {
   return read_text(source_dir() + "/" + file);
 }
 
-/// Without comments and string literals, so that words in them do not count.
+/// Returns code without comments and string literals, so that words in them do not count.
 std::string code_of(const std::string& file) {
   static const std::regex noise("//[^\n]*|\"(?:[^\"\\\\\n]|\\\\.)*\"");
   return std::regex_replace(text_of(file), noise, "");
@@ -190,7 +190,7 @@ TEST(UnitIncludeGraph, FoldersIncludeOnlyWhatTheArchitectureAllows) {
   }
 }
 
-// So that the program starts without their libraries (volumes/base/plugin.h).
+// The program is to start without their libraries (volumes/base/plugin.h).
 TEST(UnitIncludeGraph, NothingIncludesWhatLiesInAPlugin) {
   std::size_t inside = 0;
   for (const Include& include : all_includes()) {

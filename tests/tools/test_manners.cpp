@@ -1,4 +1,4 @@
-// How the program speaks: hints for what does not parse, help, handles, outputs, progress.
+// Manners of the program: hints for what does not parse, help, handles, outputs, progress.
 #include <filesystem>
 #include <regex>
 
@@ -173,7 +173,7 @@ TEST_F(UnitManners, ZshCompletesCommandsOptionsAndWords) {
   const std::string file = m_folder / "_supple";
   write_text(file, run_supple({"help", "--completion", "zsh"}).out);
   EXPECT_TRUE(runs("zsh -n " + file));
-  // What the script hands on to zsh, which completes in a terminal only.
+  // Prints all that the script hands on to zsh, which completes in a terminal only.
   write_text(m_folder / "ask.zsh",
              "_describe() { print -l -- ${(P)@[-1]} }\n"
              "compadd() { print -l -- ${@[2,-1]} }\n"
@@ -296,7 +296,7 @@ TEST_F(UnitManners, NumbersForPeopleHaveFourDigits) {
 }
 
 TEST_F(UnitManners, ResultsFollowTheProgressLineOfATerminal) {
-  // What a terminal shows of a line is what follows the last return to its start.
+  // A terminal shows the part of a line that follows the last return to its start.
   write_text(m_folder / "terminal.py",
              "import os, pty, sys\n"
              "seen = b''\n"

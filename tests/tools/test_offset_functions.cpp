@@ -98,7 +98,7 @@ TEST_F(UnitOffsetFunctions, OutputsFollowTheFunctionsAndTheStateDoesNot) {
       run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "out", "--force"}).exit_code, 0);
   EXPECT_EQ(read_text(m_folder / "out/a.vdb"), state);
   EXPECT_NE(read_text(m_folder / "out/v.nrrd"), plain);
-  // What the commands make of the state is the same.
+  // The commands make the same of the state.
   const std::vector<std::string> along = {"--path", m_folder / "open.toml", "-o"};
   ASSERT_EQ(run_supple(
                 {"resample", m_folder / "out/a.vdb", along[0], along[1], "-o", m_folder / "v.nrrd"})

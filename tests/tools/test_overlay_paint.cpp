@@ -92,7 +92,7 @@ TEST(UnitOverlayPaint, DetFOfAStretchIsItsRatio) {
   EXPECT_EQ(paint.colours, ValueColours::about_middle);
 }
 
-/// Of a volume with other voxels, at the place where tissue was at rest.
+/// The volume has other voxels and is read at the place where tissue was at rest.
 TEST(UnitOverlayPaint, AVolumeIsReadWhereTissueWasAtRestByItsOwnGrid) {
   const BrickTopology elements = cube();
   const Geometry fine({40, 24, 24}, {-2, -1, -1}, {Vec3d(0.4, 0, 0), {0, 0.5, 0}, {0, 0, 0.5}});
@@ -161,7 +161,7 @@ class UnitOverlayOptions : public testing::Test {
                    "12,12,12", "--by", "4,0,0", "-o", m_folder / "drag.vdb"}),
               "");
   }
-  /// What it says when it fails.
+  /// Runs the program; returns its error output when it fails.
   std::string run(const std::vector<std::string>& arguments) {
     const Outcome outcome = run_supple(arguments);
     return outcome.exit_code == 0 ? "" : outcome.err;

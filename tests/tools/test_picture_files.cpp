@@ -1,4 +1,4 @@
-// What pictures become: kinds of files, pictures beside the main one, stereo, cameras, series.
+// Files of pictures: kinds, pictures beside the main one, stereo, cameras, series.
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -110,7 +110,7 @@ TEST_F(UnitPictureFiles, AuxiliaryPicturesLieBesideTheirPicture) {
     return rgba[0] + rgba[1] + rgba[2];
   };
   EXPECT_LT(brightness(32, 34), brightness(20, 50));
-  // With its legend once it is large enough.
+  // The picture has its legend once it is large enough.
   ASSERT_EQ(render("drag.vdb", "b.png", {"--aux", "offset", "--size", "200,200"}).exit_code, 0);
   EXPECT_GT(file("b_offset.png").width, 220);
 }

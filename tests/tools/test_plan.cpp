@@ -23,7 +23,7 @@ class UnitPlan : public ::testing::Test {
     write_soft_material(m_folder / "soft.toml");
   }
 
-  /// What a command prints with --json.
+  /// Runs a command on a scene; returns what it prints with --json.
   Json run(const std::string& text, const std::vector<std::string>& more = {}) {
     write_text(m_folder / "scene.toml",
                "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n" + text);
@@ -42,7 +42,7 @@ class UnitPlan : public ::testing::Test {
   TemporaryFolder m_folder;
 };
 
-/// Whether some row, or something that is left out, begins with these words.
+/// True if some row, or something that is left out, begins with these words.
 bool says(const Json& list, const std::string& words) {
   for (const Json& entry : list) {
     if (entry.at("what").get<std::string>().rfind(words, 0) == 0) return true;
@@ -173,7 +173,7 @@ TEST_F(UnitSeenBricks, OfSlicesAndPairsOfEyesTooThePictureStaysTheSame) {
   }
 }
 
-// Before the plane in which the cameras' windows meet the eyes see different places.
+// The eyes see different places before the plane in which the cameras' windows meet.
 TEST_F(UnitSeenBricks, EachEyeSeesPlacesThatTheOtherDoesNot) {
   const supple::Geometry geometry({64, 64, 64}, supple::Vec3d(0),
                                   {supple::Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
@@ -189,7 +189,7 @@ TEST_F(UnitSeenBricks, EachEyeSeesPlacesThatTheOtherDoesNot) {
   const auto seen = supple::tools::seen_of(view, geometry);
   ASSERT_TRUE(seen.has_value());
   ASSERT_EQ(seen->size(), 2U);
-  // At j = 32, five sixths of the way, the middles of the windows are 12.5 mm to either side.
+  // The middles of the windows at j = 32, five sixths of the way, are 12.5 mm to either side.
   const auto is_seen = [&](int eye, double i) {
     return (*seen)[eye].meets({i, 31, 31}, {i + 1, 32, 32});
   };

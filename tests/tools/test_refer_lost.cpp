@@ -50,7 +50,7 @@ class LostSource : public testing::Test {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     return outcome.err;
   }
-  /// What follows the header, whose certificate counts cells.
+  /// Text behind the header, whose certificate counts cells.
   std::string values_of(const std::string& name) const {
     const std::string file = read_text(m_folder / name);
     return file.substr(file.find("\n\n"));

@@ -147,7 +147,7 @@ TEST_F(UnitReplay, AGrabThatSlidesFollowsTheHandWhereAnAnchorDoesNotStopIt) {
   EXPECT_NEAR(live.q[0].at(slot) / kFixedOne, 1, 1e-3);
   EXPECT_NEAR(live.q[1].at(slot) / kFixedOne, 0, 1e-3);
   EXPECT_GT(live.q[2].at(slot) / kFixedOne, 1);
-  // Without it the anchor above holds it sideways, too, and stopped drags are as they were.
+  // The anchor above holds it sideways, too, unless it slides; stopped drags are as they were.
   EXPECT_NE(hash(journal(grab("") + far + event("drag", "to = [1, 0, 9.9]"))), end);
   const std::string near = event("drag", "to = [0.2, 0.3, 0.4]");
   EXPECT_EQ(hash(journal(grab("slide = true") + near)), hash(journal(grab("") + near)));
@@ -173,7 +173,7 @@ TEST_F(UnitReplay, ACutThatIsTakenOutHasNeverBeenMade) {
   const std::string first = hash(journal(cut(13) + kDrags));
   EXPECT_EQ(hash(journal(cut(13) + cut(9) + kDrags + taken_out(2))), first);
   EXPECT_NE(hash(journal(cut(13) + cut(9) + kDrags + taken_out(1))), first);
-  // Of a step that does more, what else it does stays.
+  // A step that does more keeps what else it does.
   const std::string both =
       "plane = { corner = [13, -1, 10], edge1 = [0, 26, 0], edge2 = [0, 0, 16], frame = \"voxel\" "
       "}";
@@ -193,7 +193,7 @@ TEST_F(UnitReplay, ACutThatIsTakenOutHasNeverBeenMade) {
 }
 
 TEST_F(UnitReplay, SlicesOfARelaxationShareItsBudget) {
-  // About 35,000 looks at elements in each pass.
+  // Each pass looks at elements about 35,000 times.
   const std::string file =
       journal(kDrags + event("relax", "passes = 500\nbudget = 0.25\nmethod = \"jacobi\""));
   ASSERT_EQ(replay(file, "--journal " + (m_folder / "carried.toml")).exit_code, 0);
@@ -308,7 +308,7 @@ TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
     if (bytes != last) changes.push_back(count);
     last = bytes;
   }
-  // Of the drags at 460 and 490 ms, in the film 100 later, the first falls between two pictures.
+  // The first of the drags at 460 and 490 ms, 100 later in the film, falls between two pictures.
   EXPECT_EQ(changes, (std::vector<int>{0, 4, 5, 6}));
   EXPECT_EQ(count, 6 + 10 + 10);
   ASSERT_EQ(replay(file, "--image " + (m_folder / "end.png")).exit_code, 0);
@@ -364,7 +364,7 @@ TEST_F(UnitReplay, BadEventsNameTheirLineAndWhatIsExpected) {
     EXPECT_NE(refused.err.find(file + ":" + std::to_string(line) + text), std::string::npos)
         << refused.err;
   }
-  // Before it is carried out, or every event after it would be refused, too.
+  // It is refused before it is carried out, or every event after it would be refused, too.
   write_text(m_folder / "edges.toml",
              "opacity = [[0, 0], [255, 1]]\ncolour = [[0, 1, 1, 1]]\n"
              "gradient_opacity = [[0, 0], [60, 1]]\n");

@@ -1,5 +1,5 @@
-// What is promised of methods without a table (docs/tradeoff.md#without-a-table), on blocks of
-// tissue: plain, with a stiff core and with a rigid one.
+// Promises about methods without a table (docs/tradeoff.md#without-a-table), on blocks of tissue:
+// plain, with a stiff core and with a rigid one.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -56,7 +56,7 @@ class Solids : public testing::Test {
   bool has_module(const std::string& name) const {
     return std::system(("/usr/bin/python3 -c 'import " + name + "' > /dev/null 2>&1").c_str()) == 0;
   }
-  /// What the script prints, as JSON.
+  /// Runs the script; returns what it prints, as JSON.
   Json judged(const std::string& script) const {
     write_text(m_folder / "script.py", script);
     EXPECT_EQ(

@@ -40,7 +40,7 @@ class Springs : public ::testing::Test {
                          std::size_t(brick_offset(voxel)));
   }
 
-  /// Of all elements, in LPS.
+  /// Places of all elements, in LPS.
   struct Places {
     std::vector<Vec3d> rest_mm, now_mm;
   };

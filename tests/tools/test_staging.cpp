@@ -1,5 +1,5 @@
-// What users ask of a picture beside what it shows: framing, background, annotations, and kinds of
-// slices.
+// Wishes of users for a picture beside what it shows: framing, background, annotations, and kinds
+// of slices.
 #include <cmath>
 #include <cstdlib>
 
@@ -69,7 +69,7 @@ TEST_F(UnitStaging, WhatIsVisibleFillsThePicture) {
       options.insert(options.end(), {"--fit", "visible"});
       const auto margins = free_margins(picture("render", options));
       EXPECT_NEAR(least(margins), 4, 1) << view;
-      // As much on the other side.
+      // The margin is as wide on the other side.
       const bool fits_width = std::min(margins[0], margins[1]) <= 5;
       EXPECT_NEAR(fits_width ? margins[0] : margins[2], fits_width ? margins[1] : margins[3], 1.5);
     }
@@ -171,7 +171,7 @@ TEST_F(UnitStaging, AnnotationsOfASceneAreThoseOfTheCommandLineAndLeaveTheRest) 
 TEST_F(UnitStaging, ALightboxHoldsTheSlicesThatItsPlacesName) {
   const Image box =
       picture("slice", {"--lightbox", "2,2", "--every", "6", "--plane", "axial", "--scale", "1"});
-  // About the middle, voxel 11 of 24 and 1.5 mm a slice: 9, 3, -3 and -9 mm from it.
+  // Slices lie about the middle, voxel 11 of 24, 1.5 mm a slice: 9, 3, -3 and -9 mm from it.
   const int width = 24, cell = width + 8;
   ASSERT_EQ(box.width, 2 * cell - 8);
   for (int n = 0; n < 4; ++n) {

@@ -1,4 +1,4 @@
-// What docs/five_commands.md promises surgeons: its first command and the scenes that it names do
+// Promises of docs/five_commands.md to surgeons: its first command and the scenes that it names do
 // what their sentences say, on the head CT. Pictures are left out.
 #include <cctype>
 #include <cmath>
@@ -100,7 +100,7 @@ class InteropSurgeons : public ::testing::Test {
     return m_outcome.exit_code == 0 ? Json::parse(m_outcome.out) : Json();
   }
 
-  /// What no scene may say.
+  /// Expects no loss of tissue and none of the warnings that no scene may give.
   void expect_nothing_lost(const Json& json, int most_folds) {
     const Json& certificate = json.at("certificate");
     EXPECT_LE(
@@ -112,7 +112,7 @@ class InteropSurgeons : public ::testing::Test {
     }
   }
 
-  /// Where the scene took a voxel, LPS mm.
+  /// Displacement of a voxel by the scene, LPS mm.
   Vec3d way_of(const std::string& voxel) {
     const Outcome probe =
         run_supple({"probe", m_folder / "out/state.vdb", "--at", voxel, "--json"});

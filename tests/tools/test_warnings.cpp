@@ -1,4 +1,4 @@
-// What a run says of results that stand all the same.
+// Warnings of a run about results that stand all the same.
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>

@@ -72,7 +72,7 @@ TEST_F(PropertyWithoutInverse, OffsetLengthsAndTheirColoursAreThoseOfTheInverse)
 }
 
 TEST_F(PropertyWithoutInverse, EveryPictureOfASeriesIsThatOfTheInverse) {
-  // Without folds, and with steps so fine that it does not matter where on a ray they begin.
+  // There are no folds, and steps so fine that it does not matter where on a ray they begin.
   m_folder.run("head");
   for (const char* series : {"--sequence", "--turntable"}) {
     render_both("s_%d.png", {series, "3", "--step", "0.1"}, "head.vdb");

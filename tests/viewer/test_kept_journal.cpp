@@ -1,4 +1,4 @@
-// What a session keeps on disk comes to the disk within a second, and nobody waits for that.
+// A session's kept journal comes to the disk within a second, and nobody waits for that.
 #include <atomic>
 #include <chrono>
 #include <filesystem>
@@ -34,7 +34,7 @@ void wait_until_syncs(int count) {
 
 }  // namespace
 
-/// In place of the system's, which this program calls by name.
+/// Stands in place of the system's, which this program calls by name.
 extern "C" int fdatasync(int) {
   if (g_slow_ms > 0) std::this_thread::sleep_for(std::chrono::milliseconds(g_slow_ms));
   ++g_syncs;

@@ -232,7 +232,7 @@ Image settled(LivePicture& picture) {
   return *picture.settled();
 }
 
-/// As it is seen within a budget that leaves time for all of it.
+/// First picture within a budget that leaves time for all of it.
 Image first_of(LivePicture& picture) {
   constexpr double kBudgetMs = 1e6;
   EXPECT_TRUE(picture.follow());

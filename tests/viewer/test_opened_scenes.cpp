@@ -32,7 +32,7 @@ TEST(UnitOpenedScenes, TheFirstViewInSpaceOfTheBodyAtTheEndIsShown) {
   EXPECT_EQ(shown_view(scene_of(slice)), nullptr);
 }
 
-/// But slices alone of blocks under finite elements, which are shown in a look of their own.
+/// Slices alone of blocks under finite elements do not count, which have a look of their own.
 TEST(UnitOpenedScenes, EveryPatientOfTheDocsHasAViewThatIsShown) {
   int scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(source_dir() + "/docs/scenes")) {

@@ -1,4 +1,4 @@
-// Where the voxels of a DICOM series lie, whatever its files are called and however they are
+// Places of the voxels of a DICOM series, whatever its files are called and however they are
 // numbered.
 #include <cmath>
 #include <filesystem>

@@ -1,4 +1,4 @@
-// What is written as HDF5, read back by the HDF5 library itself and by h5py.
+// HDF5 files as written, read back by the HDF5 library itself and by h5py.
 #include <cstdlib>
 #include <cstring>
 

@@ -38,7 +38,7 @@ void expect_same(const Warp& ours, const Warp& judge, const std::string& name) {
   EXPECT_GT(longest, 1) << name;
 }
 
-/// Where the program of ITK lies that writes transforms and fields; empty where there is none.
+/// Path of ITK's program that writes transforms and fields; empty where there is none.
 std::string itk_judge() {
   const char* binary = std::getenv("SUPPLE_BINARY");
   const std::filesystem::path judge =

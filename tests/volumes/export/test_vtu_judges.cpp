@@ -85,7 +85,7 @@ TEST(InteropVtu, EveryEncodingIsReadAndSolidsLieWhereVtkFindsThem) {
     judge >> known >> u.x >> u.y >> u.z;
     const Vec3d ours(warp.vectors[n]);
     inside += known;
-    // Where the hull passes by a point only one of both may find it.
+    // Only one of both may find a point that the hull passes by.
     const bool is_ours = ours.length() > 0;
     on_hull += is_ours != (known == 1);
     if (is_ours && known == 1) {

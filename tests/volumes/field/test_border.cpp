@@ -237,7 +237,7 @@ TEST(PropertyBorder, BesideAnOpenCutSamplesEndHalfAVoxelBeyondIt) {
   }
 }
 
-/// What is seen and what points say is one thing there.
+/// Points move there as the tissue does that is seen.
 TEST(PropertyBorder, PointsBesideAnOpenCutGoWithTheirSideBeyondIt) {
   std::mt19937 random(11);
   const CutInTwo body(0.75, 0.03);

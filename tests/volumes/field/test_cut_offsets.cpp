@@ -392,7 +392,7 @@ TEST(PropertyCutOffsets, TheShellGoesWithItsOwnSide) {
 }
 
 TEST(PropertyCutOffsets, TheShellOverAShorterSideGoesWithThatSide) {
-  // Beside the wall of the longer side, air is next to it and two voxels from its own side.
+  // Air beside the wall of the longer side is next to it and two voxels from its own side.
   const BrickTopology elements =
       subtract(box_topology({4, 4, 4}, {23, 19, 19}), box_topology({14, 17, 4}, {23, 19, 19}));
   const LinkCuts cuts = cuts_where(

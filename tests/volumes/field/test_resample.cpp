@@ -105,7 +105,7 @@ TEST(UnitNearestVoid, ASolidThatReachesBeyondTheBoxStillHasNone) {
   const BrickTopology wanted = box_topology(Vec3i(2), Vec3i(5));
   EXPECT_FALSE(nearest_void(box_topology(Vec3i(-3), Vec3i(9)), wanted, Vec3i(9), {1, 1, 1})
                    .at(Vec3i(4), step));
-  // As many voxels as the box, but one of them lies beyond it.
+  // The solid has as many voxels as the box, but one of them lies beyond it.
   const BrickTopology shifted = box_topology({1, 0, 0}, {9, 8, 8});
   ASSERT_TRUE(nearest_void(shifted, wanted, Vec3i(9), {1, 1, 1}).at(Vec3i(4), step));
   EXPECT_EQ(step, Vec3f(-4, 0, 0));
@@ -208,7 +208,7 @@ TEST(PropertyDenseOffsets, ExtendKeepsConstantsAndCarriesOnWithoutJumps) {
 }
 
 TEST(PropertyDenseOffsets, ExtendDoesNotFoldTheAirBetweenPartsThatComeNearEachOther) {
-  // Of two slabs with 12 voxels between, one goes 4 up, the other 5 down: 3 are left.
+  // One of two slabs with 12 voxels between goes 4 up, the other 5 down: 3 are left.
   const Geometry geometry = unit_geometry({24, 24, 40});
   const BrickTopology slabs =
       unite(box_topology({4, 4, 4}, {19, 19, 10}), box_topology({4, 4, 23}, {19, 19, 30}));

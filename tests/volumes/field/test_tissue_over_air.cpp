@@ -107,7 +107,7 @@ TEST(PropertyTissueOverAir, AVoxelOfACheckerboardIsSeenWhereItWent) {
   EXPECT_LT((o - Vec3f(-7, -3, -1)).length(), 1e-4f);
 }
 
-/// By brute force: all cells solved for all nodes.
+/// The judge is brute force: all cells solved for all nodes.
 TEST(PropertyTissueOverAir, InAFoldedBodyNoNodeShowsAirThatTissueCovers) {
   std::mt19937 random(8);
   const Vec3i dims(20, 20, 20);
@@ -193,7 +193,7 @@ TEST(PropertyTissueOverAir, SamplesThatSolveForThemselvesFindTheTissue) {
         const Vec3i at = v + Vec3i(u);
         const std::int32_t b = offsets.bricks().find(at);
         if (b < 0) return;  // nothing moves there
-        // As a ray does that comes through the air above.
+        // Samples as a ray does that comes through the air above.
         PointwiseOffsets::Sample found;
         const std::int32_t above = offsets.bricks().find(at + Vec3i(0, 0, 2));
         if (above >= 0) offsets.sample(std::size_t(above), Vec3d(at) + Vec3d(0, 0, 2), found);

@@ -30,7 +30,7 @@ Vec3d linear_vector(const Vec3d& p) {
 TEST(UnitWarp, VectorsTakeMemoryWhereSomeAreOtherThanZero) {
   WarpVectors vectors(4000000);
   std::vector<Vec3f> expected(vectors.size(), Vec3f(0)), part(700, Vec3f(0));
-  // Over the end of a run, over that, and zeros over a part of both.
+  // Parts lie over the end of a run, over that part, and zeros over some of both.
   for (const auto& [first, value] : {std::pair(300u, Vec3f(1, 2, 3)),
                                      {900u, Vec3f(4, 0, 0)},
                                      {500u, Vec3f(0)},

@@ -8,7 +8,7 @@
 
 namespace supple::test {
 
-/// How a dataset is stored; contiguous in native byte order where nothing is said.
+/// Storage of a dataset; contiguous in native byte order where nothing is said.
 struct Hdf5Storage {
   hid_t file_type = H5I_INVALID_HID;
   std::vector<hsize_t> chunk = {};

@@ -8,7 +8,7 @@
 namespace supple::test {
 namespace {
 
-// What voxel (i, j, k), component c, frame f holds; 2 x 3 x 2 voxels, 3 components, 4 frames.
+// Value of voxel (i, j, k), component c, frame f; 2 x 3 x 2 voxels, 3 components, 4 frames.
 constexpr int kSize[] = {3, 2, 3, 2, 4};  // c i j k f
 std::int16_t value(int c, int i, int j, int k, int f) {
   return std::int16_t(c + 10 * i + 100 * j + 1000 * k + 5000 * f);

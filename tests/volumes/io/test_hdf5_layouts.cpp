@@ -1,4 +1,4 @@
-// What datasets of an HDF5 file mean: ITK images, NeXus, and attributes of plain datasets.
+// Meaning of datasets of an HDF5 file: ITK images, NeXus, and attributes of plain datasets.
 #include <cmath>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What loading guarantees beyond the densities: the bits of the grid, and how slabs are read ahead.
+// Guarantees of loading beyond the densities: the bits of the grid, and slabs read ahead.
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -98,7 +98,7 @@ TEST(UnitLoad, BricksWithoutAFiniteVoxelTakeNoMemory) {
 }
 
 TEST(UnitLoad, BoundsOfElementsAreComparedAsDoubles) {
-  // Beside a float lies a double on either side that is no float.
+  // A float has a double on either side that is no float.
   const float density = 0.1f;
   const double below = std::nextafter(double(density), 0),
                above = std::nextafter(double(density), 1);

@@ -72,7 +72,7 @@ TEST(UnitOnGrid, HalfAVoxelOutsideBelongsToTheBorderAndWhatIsBeyondIsTheMinimum)
     for (int n = 0; n < 4; ++n) out[n] = float(10 * n - 5);
   });
   const Geometry wide({13, 1, 1}, {-1.4, 0.4, -0.4}, {Vec3d(0.5, 0, 0), {0, 1, 0}, {0, 0, 1}});
-  // At -1.4, -0.9, -0.4, 0.1, 0.6, ... 4.6.
+  // The places are -1.4, -0.9, -0.4, 0.1, 0.6, ... 4.6.
   EXPECT_EQ(on(folder / "a.nrrd", wide, ResampleKernel::linear),
             (std::vector<double>{-5, -5, -5, -4, 1, 6, 11, 16, 21, 25, -5, -5, -5}));
   EXPECT_EQ(on(folder / "a.nrrd", wide, ResampleKernel::nearest),

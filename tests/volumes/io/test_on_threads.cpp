@@ -10,7 +10,7 @@
 namespace supple {
 namespace {
 
-/// Whether the items of a loop are all at work at the same time: each waits for the others.
+/// True if all items of a loop are at work at the same time: each waits for the others.
 bool all_meet(int items, int threads) {
   std::mutex mutex;
   std::condition_variable changed;

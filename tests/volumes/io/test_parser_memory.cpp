@@ -19,7 +19,7 @@ bool is_refused(const std::string& line) {
          line.find("does not survive") != std::string::npos;
 }
 
-/// What a program other than ours writes of one voxel.
+/// Bytes that a program other than ours writes of one voxel.
 std::string foreign_grid_bytes(const TemporaryFolder& folder) {
   auto fog = make_grid<openvdb::FloatGrid>(0);
   fog->tree().setValueOn({1, 2, 3}, 4);

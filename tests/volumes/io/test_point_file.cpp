@@ -84,7 +84,7 @@ TEST(UnitPointFile, MovedPointsKeepAllElseOfTheirFile) {
   EXPECT_EQ(moved("x,y,z\n0.30000000000000004,0.1,9\n"), "x,y,z\n1.3,0.6,9\n");
 }
 
-/// As 3D Slicer 5 writes point lists, shortened.
+/// A point list as 3D Slicer 5 writes it, shortened.
 std::string markups(const std::string& head, const std::string& points) {
   return "{\n  \"@schema\": "
          "\"https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/"

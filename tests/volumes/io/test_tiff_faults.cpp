@@ -24,7 +24,7 @@ T number_at(const std::string& bytes, std::size_t offset) {
   return value;
 }
 
-/// Of a little-endian file: the offset of the directory's link to the next one.
+/// Offset of the directory's link to the next one in a little-endian file.
 std::size_t link_of(const std::string& bytes, std::size_t directory) {
   return directory + 2 + 12 * std::size_t(number_at<std::uint16_t>(bytes, directory));
 }

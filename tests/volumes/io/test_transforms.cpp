@@ -165,7 +165,7 @@ TEST(UnitTransforms, AFieldAmongLinearTransformsBringsItsGrid) {
   EXPECT_LT((chain.at(beyond) - affine(beyond + Vec3d(1, 2, 3))).length(), 1e-9);
 }
 
-/// As elastix 5 writes them, shortened.
+/// A transform as elastix 5 writes it, shortened.
 std::string elastix(const std::string& type, const std::string& values, const std::string& more,
                     const std::string& initial = "NoInitialTransform",
                     const std::string& combine = "Compose") {

@@ -108,7 +108,7 @@ TEST(UnitVtu, OtherCellsAreTheTetrahedraOfTheirCorners) {
     for (int n = 0; n < 24; ++n) zeros += "0 ";
     write_text(folder / "a.vtu", vtu(points, array("U", "Float32", 3, zeros), ids,
                                      std::to_string(corners.size()), type));
-    // How many of the tetrahedra a place lies in, over places in the cube.
+    // Counts the tetrahedra that a place lies in, over places in the cube.
     const auto solid = read_vtu(folder / "a.vtu");
     std::array<int, 4> places{};
     for (int n = 0; n < 1000; ++n) {

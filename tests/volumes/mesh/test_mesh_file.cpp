@@ -18,7 +18,7 @@ namespace {
 Vec3d moved(const Vec3d& p) {
   return {2 * p.x + 1, p.y - 0.5, p.z};
 }
-/// By the cofactor of diag(2, 1, 1).
+/// Turns a normal by the cofactor of diag(2, 1, 1).
 Vec3d turned(std::size_t, const Vec3d& n) {
   return {n.x, 2 * n.y, 2 * n.z};
 }
@@ -114,7 +114,7 @@ TEST(UnitMeshFile, PlyKeepsColoursListsAndElementsInAnyEncoding) {
 }
 
 TEST(UnitMeshFile, StlTrianglesGetTheNormalsOfTheirNewCorners) {
-  // In the plane x + y = 1; stretched twofold along x its normal leans to y.
+  // The facet is in the plane x + y = 1; stretched twofold along x its normal leans to y.
   const std::string before =
       "solid a name\nfacet normal 0.5 0.5 0\n outer loop\n  vertex 1 0 0\n  vertex 0 1 0\n"
       "  vertex 0 1 1\n endloop\nendfacet\nfacet normal 0 0 0\n outer loop\n  vertex 1 0 0\n"

@@ -41,7 +41,7 @@ State dragged(int size) {
   return state;
 }
 
-/// Whether a brick with that origin, or one that touches it, is stored in a coordinate.
+/// True if a brick with that origin, or one that touches it, is stored in a coordinate.
 bool is_near_motion(const State& state, const Vec3i& origin, int bricks) {
   for (int x = -bricks; x <= bricks; ++x) {
     for (int y = -bricks; y <= bricks; ++y) {

@@ -126,7 +126,7 @@ TEST(FaultState, AFailedWriteKeepsTheOldFileAndLeavesNothingElse) {
   const std::size_t size = read_text(folder / "large.vdb").size();
   std::filesystem::remove(folder / "large.vdb");
 
-  // From failing in the header to failing in the trailer.
+  // Limits go from failing in the header to failing in the trailer.
   for (const std::size_t limit :
        {std::size_t(0), std::size_t(30), size / 2, size - 200, size - 1}) {
     std::string message;

@@ -129,7 +129,7 @@ TEST(UnitState, PlacesOfCutLinksAreKeptToAThousandth) {
     }
   }
   EXPECT_EQ(read.cuts.place(0, brick_offset({0, 3, 4}), 1), 0);
-  // Of two surfaces through a link the first counts.
+  // The first of two surfaces through a link counts.
   LinkCuts twice = read.cuts;
   EXPECT_FALSE(twice.cut(0, 0, 0, LinkCuts::place_of(0.9)));
   EXPECT_TRUE(twice == read.cuts);

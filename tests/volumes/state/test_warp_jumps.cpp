@@ -1,4 +1,4 @@
-// How smooth a warp is said to be.
+// Smoothness that a warp is said to have.
 #include <cmath>
 
 #include <gtest/gtest.h>
