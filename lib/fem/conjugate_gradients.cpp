@@ -53,7 +53,7 @@ void ConjugateGradients::precondition(const Progress* progress) {
   m_system->precondition(r, m_shared.second(), progress);
 }
 
-/// One step; false where rounding leaves no descent.
+/// Does one step; false where rounding leaves no descent.
 bool ConjugateGradients::iterate(bool is_first) {
   const float* z = m_shared.second();
   const double beta = is_first ? 0 : -dot(z, m_shared.third(), m_p.size()) / m_p_q;

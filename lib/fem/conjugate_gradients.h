@@ -35,8 +35,8 @@ class ConjugateGradients {
   /// All must outlive this. Takes loads.u_mm as the start.
   ConjugateGradients(LinearSystem& system, NodalLoads& loads, const CgLimits& limits);
 
-  /// True when the limits are reached by the residual as it is computed afresh; false after too
-  /// many iterations, or where no descent is found. Throws Cancelled. `told`: hears after every
+  /// Solves; true when the limits are reached by the residual as it is computed afresh; false after
+  /// too many iterations, or where no descent is found. Throws Cancelled. `told`: hears after every
   /// iteration how far the residual has come.
   bool run(const Progress* progress, Progress* told = nullptr);
 

@@ -59,7 +59,7 @@ using MassDensities = std::array<double, 256>;
 
 /// A factor of the stiffness, per class.
 using ClassParts = std::array<double, 256>;
-/// The same of all classes.
+/// Gives all classes the same factor.
 ClassParts even_parts(double part);
 
 /// A sum over elements of a K, and c M, with the consistent mass M: a without a unit, c in 1/s^2.

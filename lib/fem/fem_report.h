@@ -17,7 +17,7 @@ namespace supple {
 
 constexpr int kMostDoublings = 3;
 
-/// Who solves the linear equations: the own multigrid, CalculiX's direct solver (SPOOLES), its
+/// Solver of the linear equations: the own multigrid, CalculiX's direct solver (SPOOLES), its
 /// conjugate gradients with incomplete Cholesky factors, or DOLFINx with algebraic multigrid.
 enum class EquationSolver { multigrid, calculix, calculix_iterative, dolfinx };
 

@@ -19,7 +19,7 @@ constexpr int kMostCorrections = 12;
 /// A step was easy after at most this many corrections.
 constexpr int kEasyCorrections = 4;
 constexpr double kShortestStep = 1e-3;
-/// No step may turn an element, as seen from where it starts, by more.
+/// No step may turn an element, as seen from where it starts, by more degrees.
 constexpr double kLargestTurnDeg = 30;
 /// No step may shrink det F of an element to less than this part of the smallest one.
 constexpr double kLeastShrinkage = 0.3;

@@ -53,7 +53,7 @@ class Newton {
   Newton(const ElasticSolid& solid, const NonlinearSystem& system, NodalLoads& loads,
          const NewtonLimits& limits);
 
-  /// False where a step would be too short, with the last equilibrium in u(). Throws Cancelled.
+  /// Solves; false where steps get too short, with the last equilibrium in u(). Throws Cancelled.
   bool run(Progress* progress);
 
   const NewtonReport& report() const { return m_report; }

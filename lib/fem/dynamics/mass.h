@@ -14,7 +14,7 @@
 
 namespace supple {
 
-/// M, in kg. Of a vector in mm it gives kg mm, of one in mm/s^2 mN.
+/// Mass matrix M in kg. Its product with a vector in mm is in kg mm, with one in mm/s^2 in mN.
 class MassMatrix {
  public:
   /// `solid` must outlive this. Throws InputError for a density that is not above 0.

@@ -74,8 +74,8 @@ class Newmark {
   /// Starts at these displacements and velocities, three per node, with the forces' acceleration.
   /// Held components are where `u_mm` has them, and at rest. Throws NotConverged, Cancelled.
   void start(std::vector<double> u_mm, std::vector<double> v_mm_s, Progress* progress = nullptr);
-  /// One step, at whose end what is held has come `way` along. Throws NotConverged, Cancelled; the
-  /// motion is then where it was before.
+  /// Makes one step, at whose end what is held has come `way` along. Throws NotConverged,
+  /// Cancelled; the motion is then where it was before.
   void step(const WayPart& way, const Progress* progress = nullptr);
 
   const std::vector<double>& u_mm() const { return m_u; }

@@ -125,7 +125,7 @@ void CalculixSolver::write_step(std::FILE* out) const {
   std::fputs("*NODE PRINT, NSET=ALL\nU,RF\n*END STEP\n", out);
 }
 
-/// Two blocks with a line of three values per node: displacements, and the forces in the nodes.
+/// Reads two blocks with a line of three values per node: displacements, and forces in the nodes.
 void CalculixSolver::read_results(const std::string& path) {
   std::ifstream stream(path);
   std::vector<double> values[2];

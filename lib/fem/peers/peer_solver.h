@@ -27,11 +27,11 @@ class PeerSolver {
  public:
   virtual ~PeerSolver() = default;
 
-  /// False where it ended without what it was asked for. Throws InputError where the program is not
-  /// installed, Error with what it said where it gives no result, Cancelled.
+  /// Runs it; false where it ended without what it was asked for. Throws InputError where the
+  /// program is not installed, Error with what it said where it gives no result, Cancelled.
   virtual bool run(Progress* progress) = 0;
 
-  /// 0 of a direct solver, and where the program does not tell.
+  /// Number of iterations; 0 of a direct solver, and where the program does not tell.
   int iterations() const { return m_iterations; }
   const ResidualSize& size() const { return m_size; }
   const std::vector<double>& u() const { return m_u; }

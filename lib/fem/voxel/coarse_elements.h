@@ -27,7 +27,7 @@ class CoarseElements {
   CoarseElements(const HexOperator& stiffness, Multigrid& multigrid, int level, NodalLoads& loads,
                  const CgLimits& limits);
 
-  /// False after too many iterations, or where no descent is found. Throws Cancelled.
+  /// Solves; false after too many iterations or where no descent is found. Throws Cancelled.
   bool run(const Progress* progress, Progress* told = nullptr);
 
   int iterations() const { return m_iterations; }

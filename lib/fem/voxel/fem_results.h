@@ -21,7 +21,7 @@ ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
                            const std::vector<double>& u_mm, std::int32_t element,
                            StrainTheory theory = StrainTheory::linear);
 
-/// One value per element, in the order of the mesh, which is that of the body's bricks.
+/// Returns a value per element, in the order of the mesh, which is that of the body's bricks.
 std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& material,
                                   const std::vector<double>& u_mm, FemQuantity quantity,
                                   StrainTheory theory = StrainTheory::linear);

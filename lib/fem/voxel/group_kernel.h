@@ -21,7 +21,7 @@ struct LaneVector {
 };
 template <class T>
 using ElementLanes = typename LaneVector<T>::type;
-/// The same at any address.
+/// Lanes at any address.
 template <class T>
 using LanesAnywhere = typename LaneVector<T>::anywhere;
 

@@ -15,7 +15,7 @@ constexpr NodeIndex kCoarsestNodes = 600;
 /// Parts of the time of coarsening after which elements are grouped, and corners joined.
 constexpr double kGrouping = 0.3, kJoining = 0.8;
 
-/// One node per set of corners.
+/// Makes one node per set of corners.
 void number_nodes(HexMesh& mesh, CornerSets& sets, const StagePart& stage) {
   NodeIndex nodes = 0;
   std::vector<Corners> corners(mesh.offset.size());

@@ -86,9 +86,9 @@ struct TouchingRule {
   std::vector<bool> apart = {};  // per element: apart even so; or empty
 };
 
-/// One element per voxel; block b is brick b of the body. Voxels that touch by an edge or a corner
-/// alone share its nodes where they are joined, except at corners where a cut parts elements.
-/// Throws InputError for no elements or too many, Cancelled.
+/// Makes one element per voxel; block b is brick b of the body. Voxels that touch by an edge or a
+/// corner alone share its nodes where they are joined, except at corners where a cut parts
+/// elements. Throws InputError for no elements or too many, Cancelled.
 HexMesh hex_mesh(const Body& body, const TouchingRule& rule = {},
                  const Progress* progress = nullptr);
 
