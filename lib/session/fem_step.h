@@ -67,7 +67,7 @@ struct FemRecord {
   std::vector<StrainGauge> gauges;    // of the labels of the body
   std::vector<ElementValues> values;  // of FemStep::wanted
   FemNodes nodes;                     // where FemStep::keeps_nodes, until the next step
-  /// Where the step was for a picture: displacements from which a later one may begin.
+  /// Displacements of a step for a picture from which a later one may begin.
   std::shared_ptr<const NodeStart> equilibrium;
   std::optional<ModesRecord> modes;    // of FemStep::modes; `report` then has sizes alone
   std::optional<MotionRecord> motion;  // of FemStep::motion; all else is as at its end
@@ -110,7 +110,7 @@ void show_mode(int number, FemRecord& record, Body& body);
 Fields fields(FemStep& step);
 /// The first of these keys, which chooses the defaults of others.
 Field accuracy_field(FemStep& step);
-/// Those of these keys that are options of the command line, too.
+/// Keys of these that are options of the command line, too.
 Fields option_fields(FemStep& step);
 /// Keys of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
 Fields load_fields(FemLoad& load);

@@ -39,7 +39,7 @@ std::string file_name(const PointFile& points) {
   return std::filesystem::path(points.path).filename().string();
 }
 
-/// Every point its own handle, named by its line.
+/// Makes every point a handle of its own, named by its line.
 std::vector<Drag> drags_of_points(const PointFile& points, HandleKind kind,
                                   const Geometry& geometry) {
   std::vector<Drag> drags;

@@ -8,8 +8,8 @@
 
 namespace supple {
 
-/// One line of JSON: program and steps, those of the journal of an earlier session first (its JSON;
-/// empty: none).
+/// Writes a line of JSON: program and steps, those of the journal of an earlier session first (its
+/// JSON; empty: none).
 std::string journal_json(const std::string& earlier, const std::vector<StepRecord>& records);
 
 }  // namespace supple

@@ -10,7 +10,7 @@
 
 namespace supple {
 
-/// One array of numbers per voxel.
+/// Change of an array with a number per voxel.
 template <class T>
 class BrickChange {
  public:

@@ -36,8 +36,8 @@ struct PlacedSelection {
 /// The keys whose values are numbers alone.
 Fields fields(PlacedSelection& given);
 
-/// One of by_mm and by_lps_mm, or a turn or a scale, unless the points have displacements of their
-/// own.
+/// Motion of a handle by one of by_mm and by_lps_mm, or a turn or a scale, unless the points have
+/// displacements of their own.
 struct PlacedMotion {
   std::optional<Vec3d> by;  // mm along the directions of the frame
   std::optional<Vec3d> by_lps_mm;

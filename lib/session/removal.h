@@ -10,7 +10,7 @@ namespace supple {
 
 struct RemovedElements {
   SlotSet slots;
-  /// 0 to 1: the part of its density that a removed element leaves behind.
+  /// Part of its density that a removed element leaves behind, 0 to 1.
   BrickArray<double> left_share;
 
   /// Removes these, too. `selection` selected them; it may be null.

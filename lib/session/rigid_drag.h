@@ -26,7 +26,7 @@ PieceMotion continued(const PieceMotion& motion, const Body& start, const Body& 
 /// A handle that takes all elements of the piece to where the pose puts them. Throws InputError
 /// beyond the range of offsets.
 Handle handle_at(const Body& body, const RigidPiece& piece, const RigidPose& pose);
-/// The same, to where a part of the motion takes them.
+/// Makes a handle that takes the piece's elements to where that part of the motion does.
 Handle handle_of(const Body& body, const PieceMotion& motion, double part);
 
 /// The poses after that part of the motions.

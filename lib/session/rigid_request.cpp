@@ -107,7 +107,7 @@ std::string first_voxel_name(const Body& body, const SlotSet& slots) {
   return "piece:" + to_text(voxel_of(body.elements, slots.first()));
 }
 
-/// Every connected part of the densities that is in no piece yet.
+/// Adds every connected part of the densities that is in no piece yet.
 void add_density(Body& body, const LinkCuts& cuts, const NumberPair& range,
                  const DensityGrid& density, Progress* progress) {
   Selection selection;

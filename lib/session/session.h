@@ -26,7 +26,7 @@
 namespace supple {
 
 struct SessionOptions {
-  /// Null: that of a state; for a volume, one homogeneous tissue, with a warning.
+  /// Material; null: that of a state; for a volume one homogeneous tissue, with a warning.
   std::optional<MaterialTable> material = {};
   /// Labels on the grid of the volume; empty: those of a state.
   std::string labels_path = {};

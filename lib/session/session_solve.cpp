@@ -16,7 +16,7 @@ namespace {
 
 /// Turns that anchors stop are shortened to a multiple of this part.
 constexpr int kTurnParts = 1024;
-/// The same of drags that turns of free pieces lengthen.
+/// Drags that turns of free pieces lengthen are shortened to a multiple of this part.
 constexpr int kDragParts = 64;
 
 bool is_whole(const EcmReport& report) {

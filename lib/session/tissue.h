@@ -35,9 +35,9 @@ MaterialTable with_foreground(MaterialTable material, const VolumeStatistics& st
 /// Ranges of densities that warning_of_domain() needs to have counted.
 std::vector<CountedRange> tissue_ranges(const MaterialTable& material);
 
-/// One line with numbers where the table's domain misses most of the tissue: in Hounsfield units
-/// the voxels above kTissueHu, else those above the minimum. Empty where it does not, and for a
-/// constant table that gives `active` densities.
+/// Returns a line with numbers where the table's domain misses most of the tissue: in Hounsfield
+/// units the voxels above kTissueHu, else those above the minimum. Empty where it does not, and for
+/// a constant table that gives `active` densities.
 std::string warning_of_domain(const MaterialTable& material, const Volume& volume,
                               const std::vector<CountedRange>& counted);
 

@@ -19,7 +19,7 @@ class MotionFrames {
   /// The next frame: displacement of the elements' centres in mm, LPS, in the order of the bricks.
   /// All frames have as many elements. Throws SystemError, as where the disk is full.
   void add(const std::vector<Vec3f>& displacement_mm);
-  /// One of them, from 0. Throws std::out_of_range; SystemError.
+  /// Returns one of the frames, from 0. Throws std::out_of_range; SystemError.
   std::vector<Vec3f> at(std::size_t frame) const;
   std::size_t count() const { return m_count; }
 

@@ -14,7 +14,7 @@ namespace supple {
 namespace {
 
 constexpr double kDefaultSteps = 100;
-/// More are taken for a mistake.
+/// A larger number of steps is taken for a mistake.
 constexpr int kMostSteps = 1000000;
 constexpr double kLongestRamp = 1e9;
 /// Outside of these nothing but rounding is left of a step.

@@ -61,8 +61,8 @@ MotionRecord run_motion(const MotionStep& step, VoxelFemMotion& model, const Bod
 /// The elements lie, at rest, where the record's frame has them.
 void take_frame(const MotionRecord& record, std::size_t frame, Body& body);
 
-/// One row per sample: time in s, energies in mJ, displacements in mm, and the forces with which
-/// the body pulls at `handles`, whose reactions the samples have, in N.
+/// Writes a row per sample: time in s, energies in mJ, displacements in mm, and the forces with
+/// which the body pulls at `handles`, whose reactions the samples have, in N.
 std::string motion_csv(const MotionRecord& record, const std::vector<std::string>& handles);
 
 /// Keys of `motion = { … }` of fem, but for `watch`.
