@@ -63,7 +63,7 @@ class Field {
   Field& positive() { return m_lo = 0, m_is_open = true, *this; }
   /// The name in records, which say the unit.
   Field& recorded_as(const char* name) { return m_record = name, *this; }
-  /// Must be given.
+  /// Demands that the setting be given.
   Field& required() { return m_is_required = true, *this; }
   /// The path of an input: in a file, relative ones start at its folder.
   Field& path() { return m_is_path = true, *this; }
@@ -124,7 +124,7 @@ class Field {
   bool allows(double value) const;
   /// "0 to 40 mm", "a positive number of mm", "one of a, b and c"; empty: anything of its kind.
   std::string allowed() const;
-  /// "N", "X,Y,Z", "MM", "a|b|c": on the command line.
+  /// Placeholder on the command line: "N", "X,Y,Z", "MM", "a|b|c".
   std::string placeholder() const;
   /// The present value as one reads it; empty where there is none.
   std::string text() const;
@@ -151,7 +151,7 @@ using Fields = std::vector<Field>;
 /// that are the same in `plain`, fields of the same struct.
 Value fields_value(const Fields& fields, const Fields& plain = {});
 
-/// "a, b and c".
+/// Writes "a, b and c".
 std::string listed(const std::vector<std::string>& names, const char* last = "and");
 
 }  // namespace supple

@@ -22,7 +22,7 @@ class JsonError : public Error {
 
 /// Throws JsonError.
 Value parse_json(std::string_view text, int deepest = kDeepestJson);
-/// Null for text that is no JSON.
+/// Parses text; null for text that is no JSON.
 Value json_or_null(std::string_view text);
 
 /// Writes one line; indents by this many spaces where that is above 0. Bytes that are not UTF-8

@@ -17,7 +17,7 @@ class MadeFolders {
   /// Makes a folder and those above it where they are missing.
   void make(const std::filesystem::path& folder);
   void keep() { m_folders.clear(); }
-  /// Each after those that it lies in.
+  /// Folders that were made, each after those that it lies in.
   const std::deque<std::filesystem::path>& made() const { return m_folders; }
 
  private:

@@ -10,7 +10,7 @@ namespace supple {
 std::string own_program();
 /// The program of that name in its folder; empty where there is none.
 std::string program_beside(const std::string& name);
-/// The same; throws SystemError where there is none.
+/// Returns that program; throws SystemError where there is none.
 std::string require_program_beside(const std::string& name);
 /// Starts the program in place of this one, as the same process, with arguments that begin with
 /// its name. Throws SystemError where it cannot be started.

@@ -6,7 +6,7 @@ namespace supple {
 
 namespace {
 
-/// Every run of digits, points and signs of exponents as one '#'.
+/// Replaces every run of digits, points and signs of exponents by one '#'.
 std::string without_numbers(const std::string& line) {
   std::string kind;
   for (const char c : line) {
@@ -18,7 +18,7 @@ std::string without_numbers(const std::string& line) {
   return kind;
 }
 
-/// "1 to 5, 7".
+/// Writes "1 to 5, 7".
 std::string ranges_text(std::vector<int> numbers) {
   std::sort(numbers.begin(), numbers.end());
   std::string text;

@@ -17,7 +17,7 @@ class RepeatedLines {
 
   /// Lines from now on are of this number.
   void enter(int number) { m_number = number; }
-  /// "frame 3: LINE"; nothing where a line of its kind was told before.
+  /// Returns "frame 3: LINE"; nothing where a line of its kind was told before.
   std::optional<std::string> take(const std::string& line);
   /// A line for each kind that came again, in the order of the first ones.
   std::vector<std::string> repeats() const;

@@ -32,7 +32,7 @@ struct ReadEnd {
   ~ReadEnd() {
     if (file >= 0) ::close(file);
   }
-  /// False at the end.
+  /// Reads on; false at the end.
   bool take() {
     char buffer[16384];
     const ssize_t count = ::read(file, buffer, sizeof buffer);

@@ -83,7 +83,7 @@ class Table {
   std::vector<std::string> keys() const;
   /// Array of tables; empty when absent.
   std::vector<Table> tables(const std::string& key);
-  /// The same for one table or an array of them.
+  /// Reads one table or an array of them; empty when absent.
   std::vector<Table> table_or_tables(const std::string& key);
   /// The files that path() and paths() have given so far: by key and text the absolute path.
   using Inputs = std::map<std::pair<std::string, std::string>, std::string>;

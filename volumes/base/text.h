@@ -9,7 +9,7 @@
 
 namespace supple {
 
-/// "1 cell", "2 cells".
+/// Writes "1 cell", "2 cells".
 std::string with_count(std::int64_t count, const std::string& what);
 
 /// The name with the fewest edits (Levenshtein) to `name`, at most three and fewer than it has
@@ -19,7 +19,7 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 /// The shortest decimal number that reads back to the same bits.
 std::string exact_text(double value);
 
-/// "1,2,3".
+/// Writes "1,2,3".
 std::string to_text(const Vec3i& v);
 /// Writes a vector with six significant digits.
 std::string to_text(const Vec3d& v);
