@@ -27,7 +27,7 @@ struct LabelOverlap {
 /// Every label other than 0 of either segmentation.
 using LabelOverlaps = std::map<double, LabelOverlap>;
 
-/// `mask`: only voxels where it is not 0. Throws Cancelled.
+/// Compares labels; `mask`: only voxels where it is not 0. Throws Cancelled.
 LabelOverlaps compare_labels(const Geometry& grid, const LabelLookup& a, const LabelLookup& b,
                              const LabelLookup& mask = {}, Progress* progress = nullptr);
 
