@@ -13,7 +13,7 @@ namespace supple {
 BrickIndex own_bricks(const State& state, const VectorBricks& displacement,
                       const VectorBricks* offsets);
 
-/// The same in these bricks alone; of vectors also where some is not 0.
+/// Return the part in these bricks alone; of vectors also that where some is not 0.
 BrickTopology part_of(const BrickTopology& bricks, const BrickIndex& own);
 DensityGrid part_of(const DensityGrid& density, const BrickIndex& own);
 VectorBricks part_of(const VectorBricks& field, const BrickIndex& own);

@@ -20,7 +20,7 @@ struct Pose {
 OffsetField invert_displacement(const State& state, const Displacement& extended,
                                 Progress* progress = nullptr,
                                 const std::function<bool(const Vec3i& origin)>& wants = {});
-/// Both.
+/// Returns the extended displacement and its inverse.
 Pose invert_state(const State& state, Progress* progress = nullptr);
 
 /// u on the elements alone, without the air around them; null: at rest.

@@ -98,9 +98,9 @@ void write_state(const std::string& path, const State& state, const OffsetField&
 /// a source which is missing or another by now. A coordinate of zeros comes back empty. Derived
 /// grids are not read back.
 State read_state(const std::string& path, Progress* progress = nullptr);
-/// The same, but of a state whose source is missing or another the bricks of its own, at elements
-/// that can move no further than these, without anchors; with a warning, and a source that is not
-/// open.
+/// Reads as read_state() does, and also a state whose source is missing or another: with a warning,
+/// its own bricks alone, at elements that can move no further than these, without anchors and with
+/// a source that is not open.
 State read_reachable_state(const std::string& path, Progress* progress = nullptr);
 
 /// True when the file starts like OpenVDB and carries our metadata or trailer; a damaged state

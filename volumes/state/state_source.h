@@ -18,7 +18,7 @@ struct StateSource {
   double lo = 0, hi = 0;  // densities that are elements, as load_elements() takes them
   int components = 0;     // likewise
   std::string sha256;     // digest_of() densities and elements
-  /// Both as the volume gives them; empty while it is not open.
+  /// Densities and elements as the volume gives them; empty while it is not open.
   DensityGrid density;
   BrickTopology elements;
 };
@@ -27,8 +27,8 @@ struct StateSource {
 /// the number of threads. Cost: 2.2 kB hashed per brick, 1.5 µs on a core with instructions for it.
 std::string digest_of(const DensityGrid& density, const BrickTopology& elements);
 
-/// The source of a state whose volume has just been loaded. Of a folder with a DICOM series a file
-/// stands for it, so that the same series is found again beside others.
+/// The source of a state whose volume has just been loaded. A file stands for the folder of a DICOM
+/// series, so that the same series is found again beside others.
 std::shared_ptr<const StateSource> make_source(const VolumeHeader& header, const ReadOptions& read,
                                                double lo, double hi, int components,
                                                const DensityGrid& density,
