@@ -14,7 +14,7 @@ struct MethodChoice {
   double solve_s = 0, error_mm = 0;  // to be expected: the worst of all scenes
 };
 
-/// Every method that all scenes of the rows have and that failed in none, by ascending time.
+/// Finds every method that all scenes of the rows have and that failed in none, by ascending time.
 /// Neither drawings nor held-out loads count.
 std::vector<MethodChoice> choices_of(const std::vector<TradeRow>& rows);
 
@@ -27,7 +27,7 @@ std::optional<MethodChoice> most_exact_within(const std::vector<MethodChoice>& c
 /// Returns none where no error is so small.
 std::optional<MethodChoice> fastest_to(const std::vector<MethodChoice>& choices, double error_mm);
 
-/// "100ms", "2s", "1.5min" in s; "0.5mm" in mm. Throws InputError with the field.
+/// Read "100ms", "2s", "1.5min" in s; "0.5mm" in mm. Throw InputError with the field.
 double seconds_of(const std::string& text, const std::string& field);
 double millimetres_of(const std::string& text, const std::string& field);
 

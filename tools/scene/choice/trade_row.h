@@ -12,7 +12,7 @@ namespace supple::tools {
 struct Spread {
   double least = 0, median = 0, most = 0;
 };
-/// All 0 for no values. The median of an even number is the mean of the middle two.
+/// Finds the spread; 0 for no values. The median of an even number is the mean of the middle two.
 Spread spread_of(std::vector<double> values);
 
 struct TradeRow {

@@ -10,7 +10,7 @@ namespace supple::tools {
 
 /// Throws InputError: missing or bad file, unknown key, values that TransferFunction refuses.
 TransferFunction read_transfer_function(const std::string& path);
-/// The same of a table.
+/// Reads it from a table, with the same errors.
 TransferFunction read_transfer_function(Table& table);
 
 /// Throws UsageError, naming the option, where no preset has the name.

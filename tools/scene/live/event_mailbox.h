@@ -35,7 +35,7 @@ class EventMailbox {
  public:
   void post(LiveEvent event);
   void post(std::function<void()> task, TaskKind kind = TaskKind::moves);
-  /// No event comes any more.
+  /// Closes the mailbox: no event comes any more.
   void close();
   /// The oldest; none where there is none now. `waits`: until there is one, or none comes any more.
   std::optional<PostedEvent> take(bool waits);

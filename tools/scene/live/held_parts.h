@@ -16,7 +16,7 @@ struct HeldParts {
   bool has_others = false;  // fixed labels or points, which are not taken one by one
 };
 
-/// Since everything was let go of last. Drags of one stroke are one handle.
+/// Finds parts held since everything was let go of last. Drags of one stroke are one handle.
 HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done);
 
 /// A step that lets go of everything but these, which stay where they are. Sets `keys` to its keys.

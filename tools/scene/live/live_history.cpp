@@ -19,7 +19,7 @@ int LiveSession::stroke_of(EventKind kind, const Step& step) {
   return m_grab_stroke;
 }
 
-/// One step; false where none is left.
+/// Takes one step back; false where none is left.
 bool LiveSession::take_back() {
   if (m_done.empty() || !m_session->undo()) return false;
   m_reached = m_done.back().reached_before;
@@ -35,8 +35,8 @@ void LiveSession::take_back(bool whole_stroke, bool looks) {
   }
 }
 
-/// The same body gives the same again. Steps since a cut that is not there may get further, or less
-/// far, but nothing is grabbed then that would count on where they got to.
+/// Does a step again; the same body gives the same. Steps since a cut that is not there may get
+/// further, or less far, but nothing is grabbed then that would count on where they got to.
 void LiveSession::make_again(const DoneStep& done, Progress* progress) {
   m_session->step(done.step, progress);
   m_reached = done.reached;

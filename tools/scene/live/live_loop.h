@@ -35,10 +35,10 @@ class LoopWatcher {
   /// A first picture, often smaller than it is to be shown, which better ones follow.
   virtual void drew(const Image&, const LiveCost&, const Stopwatch& /*since_event*/) {}
   virtual void settled(const Image&, const Stopwatch& /*since_event*/) {}
-  /// Some other work, a short piece of it, within slices too; false when there is none. Before
+  /// Does a short piece of other work, within slices too; false when there is none. Called before
   /// pictures are refined.
   virtual bool work() { return false; }
-  /// There will be work a tenth of a second after the last event.
+  /// True if there will be work a tenth of a second after the last event.
   virtual bool has_later_work() const { return false; }
 };
 
@@ -66,13 +66,13 @@ class LiveLoop {
   /// run() returns after the task that calls this.
   void leave() { m_leaves = true; }
 
-  /// One event, and its first pixels.
+  /// Carries one event out and draws its first pixels.
   void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
-  /// A slice of what is still to be done, and its first pixels.
+  /// Does a slice of what is still to be done and draws its first pixels.
   void go_on() { go_on(nullptr); }
   /// A step towards the settled picture; false when there is nothing left to do.
   bool refine();
-  /// Another size or pose; the next run() draws it.
+  /// Sets another size or pose; the next run() draws it.
   void set_frame(const LiveFrame& frame);
 
   LiveSession& live() { return m_live; }
@@ -83,7 +83,7 @@ class LiveLoop {
   SceneView framed(SceneView view) const;
   using Clock = std::chrono::steady_clock;
   bool carry_out(const LiveEvent& event);
-  /// False: it gave way to what waits in the mailbox.
+  /// Returns false where it gave way to what waits in the mailbox.
   bool go_on(EventMailbox* mailbox);
   void go_on_in_slice(EventMailbox* mailbox);
   void do_posted(const PostedEvent& posted);

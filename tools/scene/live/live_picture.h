@@ -33,14 +33,14 @@ class LivePicture {
   LivePicture(Session& session, const SceneView& view, Progress& listener);
   ~LivePicture();
 
-  /// Another camera, look or clip. Throws InputError as a view does.
+  /// Takes another camera, look or clip. Throws InputError as a view does.
   void look(const SceneView& view);
   /// Paints over what is seen, whose depths it has, before marks are drawn; empty: nobody.
   using Painter = std::function<void(FloatImage& picture, const Camera& camera)>;
   void paint_with(Painter painter);
-  /// The body may have moved; whether it has, or the view is another.
+  /// Follows the body, which may have moved; true if it has, or the view is another.
   bool follow();
-  /// While the body is being moved: it is seen as it was followed last.
+  /// Follows the view while the body is being moved: it is seen as it was followed last.
   bool follow_view();
 
   /// Makes what rays read: the inverse, or offsets that samples solve for, whichever leaves time

@@ -194,8 +194,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   m_done.back().reached = m_reached;
 }
 
-/// Then finite elements take over, or pieces that were dragged along turn and tissue relaxes where
-/// the material asks for it. All are recorded as events of their own.
+/// Lets go; then finite elements take over, or pieces that were dragged along turn and tissue
+/// relaxes where the material asks for it. All are recorded as events of their own.
 void LiveSession::release(const LiveEvent& event, Progress* progress) {
   LiveEvent carried_out = event;
   const auto is_last_a_drag = [&] {

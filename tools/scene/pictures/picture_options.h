@@ -51,14 +51,14 @@ void check_picture_options(const PictureOptions& options, const std::string& ima
 
 /// True if there is a place for a number, %d or %04d and the like.
 bool has_frame_number(const std::string& name);
-/// "name_%04d.png" with a number; the name itself when it has no %d.
+/// Makes "name_%04d.png" with a number; the name itself when it has no %d.
 std::string frame_name(const std::string& image, int frame);
-/// "name.png" and "depth" to "name_depth.png"; always a PNG.
+/// Makes "name_depth.png" of "name.png" and "depth"; always a PNG.
 std::string aux_name(const std::string& image, const std::string& channel);
 /// The files of one picture of a series.
 std::vector<std::string> frame_files(const PictureOptions& options, const std::string& image,
                                      int frame);
-/// Every file that the pictures of one view become.
+/// Lists every file that the pictures of one view become.
 std::vector<std::string> picture_files(const PictureOptions& options, const std::string& image);
 
 }  // namespace supple::tools

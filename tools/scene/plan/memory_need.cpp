@@ -31,7 +31,7 @@ double needs(const PlanRow& row) {
   return row.held_mb + row.brief_mb;
 }
 
-/// "2.5 GB of memory, most of it for output (2.1 GB), and 1.2 GB are there".
+/// Writes "2.5 GB of memory, most of it for output (2.1 GB), and 1.2 GB are there".
 std::string need_text(const ScenePlan& plan, double there_mb) {
   const auto largest =
       std::max_element(plan.rows.begin(), plan.rows.end(),

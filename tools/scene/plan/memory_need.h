@@ -8,9 +8,9 @@ namespace supple::tools {
 
 /// Ends a run of a scene before its volume is read, where even the least that it may need is more
 /// than there is: sizes and type of the header, and bricks in up to 8 slabs, with half as many in
-/// those between. Reads slabs only where a volume that is full of tissue would not fit. Of states,
-/// and of materials whose densities are chosen by the whole volume, the header alone counts.
-/// Throws SystemError with the needs and the ways out; as open_volume().
+/// those between. Reads slabs only where a volume that is full of tissue would not fit. The header
+/// alone counts for states, and for materials that choose densities by the whole volume. Throws
+/// SystemError with the needs and the ways out; as open_volume().
 void require_memory_to_run(const Scene& scene, Progress* progress);
 
 /// The same for a scene of which only the body is opened.

@@ -18,7 +18,7 @@ struct ModelPlan {
 /// Plans a request that has springs or finite elements, in the session as it is.
 ModelPlan plan_model(const Step& request, const Session& session, const UnitCosts& costs);
 
-/// "springs on 2.3 million elements: some 160 s and 2.5 GB for each drag".
+/// Writes "springs on 2.3 million elements: some 160 s and 2.5 GB for each drag".
 std::string price_text(const ModelPlan& plan, const Step& request, const Session& session);
 
 }  // namespace supple::tools

@@ -31,7 +31,7 @@ struct MovedBricks {
   /// True if a brick moves in any coordinate.
   bool moves_brick(std::size_t b) const;
   bool moves(int coordinate) const { return !bricks[std::size_t(coordinate)].empty(); }
-  /// Every element moves in the coordinate.
+  /// Lets every element move in the coordinate.
   void add_all(int coordinate, const BrickTopology& elements);
   void add(const MovedBricks& other);
 };

@@ -15,7 +15,7 @@ class PlanLedger {
   PlanLedger(ScenePlan& plan, const PlanSubject& subject);
 
   void add(PlanRow row);
-  /// No longer held.
+  /// Counts memory as no longer held.
   void give_back(double mb) { m_held_mb -= mb; }
   void leave_out(const std::string& what, const std::string& why) {
     m_plan.gaps.push_back({what, why});
@@ -26,9 +26,9 @@ class PlanLedger {
   double m_held_mb;
 };
 
-/// "1,234 bricks".
+/// Writes "1,234 bricks".
 std::string bricks_text(double count);
-/// "12.3 million elements".
+/// Writes "12.3 million elements".
 std::string count_text(double count, const std::string& what);
 
 /// The rows of a step, and what it moves. `links`: per element, of the scene's material.

@@ -18,7 +18,7 @@ struct PlanOutcome {
   double seconds = 0;            // of all stages
   double processor_seconds = 0;  // of all threads, without the planning
 };
-/// "planned …, took …" of peak memory and time.
+/// Writes "planned …, took …" of peak memory and time.
 std::string outcome_text(const ScenePlan& plan, const PlanOutcome& outcome);
 Value outcome_json(const ScenePlan& plan, const PlanOutcome& outcome);
 

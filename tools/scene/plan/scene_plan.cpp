@@ -341,8 +341,8 @@ void ScenePlanner::plan_dense(const std::string& name, const std::string& what,
       frames() * voxels * m_costs.warp_voxel);
 }
 
-/// Counts only the bricks that move for a state that refers to its volume, and the densities of the
-/// volume are compared once.
+/// Plans the state. Where it refers to its volume only bricks that move count, and the densities of
+/// the volume are compared once.
 void ScenePlanner::plan_state() {
   const bool refers = m_scene.output.refers;
   const double densities = refers ? m_moved_bricks : density_bricks();

@@ -29,7 +29,7 @@ struct PlanRow {
   double seconds = 0;
 };
 
-/// One thing that is not.
+/// One thing that is neither allocated nor computed.
 struct PlanGap {
   std::string what, why;
 };

@@ -75,7 +75,7 @@ void grow(std::vector<std::uint8_t>& bricks, const BrickTopology& elements) {
   }
 }
 
-/// One step while its rows are made.
+/// A step of the plan while its rows are made.
 class StepPlan {
  public:
   StepPlan(const Step& step, int number, int links, const Session& session, const State& state,

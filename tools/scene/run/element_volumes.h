@@ -16,7 +16,7 @@ namespace supple::tools {
 void write_element_volume(const std::string& path, const Session& session, FemQuantity quantity,
                           Progress* progress);
 
-/// One value per element, in the order of the bricks, the same way.
+/// Writes one value per element, in the order of the bricks, the same way.
 void write_element_values(const std::string& path, const Geometry& geometry,
                           const BrickTopology& elements, const std::vector<float>& of_element,
                           Progress* progress);

@@ -132,7 +132,7 @@ const Pose& SceneRun::deformed(int step) {
   return m_deformed;
 }
 
-/// The same as the scene's path shows it.
+/// Returns the pose as the scene's path shows it.
 const Pose& SceneRun::seen(int step) {
   if (m_scene.path.empty()) return deformed(step);
   if (m_seen_step != step) {
@@ -181,7 +181,7 @@ const Pose* SceneRun::posed_for(SceneView& view, int step) {
   return &*m_own;
 }
 
-/// The same of a volume: along the warp and the path; null: as it is.
+/// Pose of a volume that moves along the warp and the path; null: as it is.
 const Pose* SceneRun::posed_volume_for(SceneView& view) {
   std::vector<OffsetFunction>& path = view.path;
   if (view.deformed) path.insert(path.begin(), m_scene.path.begin(), m_scene.path.end());

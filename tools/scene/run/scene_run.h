@@ -53,8 +53,8 @@ class SceneRun {
   /// Throws InputError, with the place in the scene, where a handle or a fixed voxel is no element.
   void check_steps() const;
 
-  /// Solves and draws everything first, so that a scene that fails leaves nothing behind. Of a film
-  /// every frame stands by itself: its files appear when all of them are complete.
+  /// Solves and draws everything first, so that a scene that fails leaves nothing behind. Every
+  /// frame of a film stands by itself: its files appear when all of them are complete.
   void run();
 
   /// The subject as it is now; of a volume alone geometry and densities.

@@ -118,7 +118,7 @@ std::string one_decimal(double value) {
   return text;
 }
 
-/// "L 12.0": how far towards a side.
+/// Writes "L 12.0": the distance towards a side.
 std::string side_and_distance(int axis, double lps) {
   Vec3d direction(0);
   direction[axis] = lps < 0 ? -1 : 1;
@@ -189,7 +189,7 @@ void add_arrows(Annotations& annotations, const SlicePanel& panel, const SliceSo
   }
 }
 
-/// The same letters in all panels: those that suit the smallest.
+/// Height of letters that all panels share: the one that suits the smallest.
 double common_letter_height(const std::vector<SlicePanel>& panels) {
   double height = Annotations::letter_height_for(panels.front().area());
   for (const SlicePanel& panel : panels) {
