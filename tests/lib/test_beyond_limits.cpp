@@ -1,4 +1,4 @@
-// How Enhanced ChainMail treats links that finite elements left beyond their limits.
+// Treatment by Enhanced ChainMail of links that finite elements left beyond their limits.
 #include <algorithm>
 #include <cstdlib>
 #include <memory>

@@ -327,7 +327,7 @@ TEST_F(UnitSession, AHandleThatSlidesGoesOnAlongTheAxesThatAreFree) {
     alone[c] = by[c];
     EXPECT_NEAR(std::get<1>(dragged(alone, false))[c], reached[c], 1e-4) << c;
   }
-  // What nothing stops is as without it.
+  // A drag that nothing stops is as without it.
   EXPECT_EQ(std::get<2>(dragged({0.6, -0.4, 1}, true)),
             std::get<2>(dragged({0.6, -0.4, 1}, false)));
 }
