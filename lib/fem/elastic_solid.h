@@ -44,7 +44,7 @@ class ElasticSolid {
   /// Counts the loose islands and, if asked, holds all their nodes where they are.
   virtual LooseCount hold_loose(bool holds, HeldBits& held) const = 0;
 
-  /// K, in mN of mm.
+  /// Stiffness matrix K, in mN per mm.
   virtual const Operator& matrix() const = 0;
   /// A sum of stiffness and mass. Throws InputError for a density that is not above 0.
   virtual std::unique_ptr<Operator> weighted(const ElementWeights& weights) const = 0;

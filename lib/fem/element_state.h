@@ -15,7 +15,7 @@ using SymmetricTensor = std::array<double, 6>;
 inline double trace(const SymmetricTensor& t) {
   return t[0] + t[1] + t[2];
 }
-/// Descending.
+/// Returns the eigenvalues in descending order.
 std::array<double, 3> eigenvalues(const SymmetricTensor& tensor);
 
 struct ElementState {

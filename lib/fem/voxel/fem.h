@@ -46,7 +46,7 @@ class FemModel final : public ElasticSolid {
   /// these components of nodes held: so they are loose islands. True where there are such; the mesh
   /// is another then. `body` is that of the model. Throws Cancelled.
   bool part_hinges(const Body& body, HeldBits held, Progress* progress = nullptr);
-  /// Takes that back.
+  /// Joins the pieces again that part_hinges() has parted.
   void join_hinges(const Body& body, Progress* progress = nullptr);
 
   const HexMesh& mesh() const;

@@ -115,7 +115,7 @@ inline void gradients_of_modes(const DoubleLanes* modes, AxisSums& out) {
     }
   }
 }
-/// The transpose.
+/// Applies the transpose of that.
 inline void modes_of_gradients(const AxisSums& sums, DoubleLanes* modes) {
   for (int n = 0; n < 24; ++n) modes[n] = DoubleLanes{};
   for (int axis = 0; axis < 3; ++axis) {

@@ -96,7 +96,7 @@ inline void to_modes(V* x) {
     }
   }
 }
-/// The transpose.
+/// Applies the transpose of that.
 template <class V>
 inline void from_modes(V* x) {
 #pragma GCC unroll 3
@@ -213,7 +213,7 @@ inline void interpolate_cell(const V* corners, V (*nodes)[3]) {
   for (int n = 0; n < 6; ++n) halve(18 * (n / 3) + 3 + n % 3, 3);
   for (int n = 0; n < 9; ++n) halve(9 + n, 9);
 }
-/// The transpose; overwrites `nodes`.
+/// Applies the transpose of that; overwrites `nodes`.
 template <class V>
 inline void restrict_cell(V (*nodes)[3], V* corners) {
   const auto share = [&](int node, int stride) {
@@ -238,7 +238,7 @@ constexpr int cell_node(int child, int corner) {
          (child & 1) + (corner & 1);
 }
 
-/// Zero in the lanes whose value is held.
+/// Sets lanes whose value is held to zero.
 template <class V>
 inline void clear_held(const std::uint32_t* held, V* x) {
   for (int lane = 0; lane < kGroup; ++lane) {

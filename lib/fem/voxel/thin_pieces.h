@@ -41,13 +41,13 @@ class ThinPieces {
 
   /// Forces Z^T r of the pieces, three values of r per node; held ones do not count.
   void take_forces(const float* r);
-  /// Adds those of r.
+  /// Adds the forces of r to those taken.
   void add_forces(const float* r);
-  /// Motions E^-1 Z^T r of the forces taken.
+  /// Finds motions E^-1 Z^T r of the forces taken.
   void solve();
   /// z += Z (motions).
   void add_motions(float* z) const;
-  /// Zero at the nodes of pieces.
+  /// Sets z to zero at the nodes of pieces.
   void clear(float* z) const;
 
   std::size_t bytes() const;

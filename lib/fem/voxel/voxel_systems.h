@@ -44,7 +44,7 @@ class VoxelSystem final : public LinearSystem {
   VoxelSystem(const MeshLevels& levels, const HexOperator& matrix, const VoxelMaterial& material,
               const HeldBits& held, Progress* progress)
       : m_matrix(&matrix), m_multigrid(levels, matrix, material, held, {}, progress) {}
-  /// Keeps the matrix.
+  /// Takes the matrix and keeps it.
   VoxelSystem(const MeshLevels& levels, std::unique_ptr<WeightedOperator> matrix,
               const HeldBits& held, Progress* progress)
       : m_own(std::move(matrix)),
