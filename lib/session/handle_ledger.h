@@ -31,9 +31,9 @@ class HandleLedger {
   void move_to(const BrickTopology& from, const BrickTopology& to);
 
   bool empty() const { return m_handles.empty(); }
-  /// The elements of each; no element is in two.
+  /// The elements of each handle; no element is in two.
   std::vector<SlotSet> elements() const;
-  /// `reactions` are those of elements().
+  /// Names the handles of `reactions`, which are those of elements().
   std::vector<HandleReaction> name(const std::vector<Reaction>& reactions) const;
   std::vector<HandleReaction> name(const std::vector<FemReaction>& reactions) const;
 

@@ -18,7 +18,7 @@ constexpr double kWholePaths = std::numeric_limits<double>::infinity();
 Step on_grid(const Step& step, const Geometry& geometry, double time = kWholePaths);
 
 Vec3d index_of(const Vec3d& place, PlaceFrame frame, const Geometry& geometry);
-/// A vector of mm.
+/// Turns a vector in mm from the frame into LPS.
 Vec3d lps_of(const Vec3d& vector_mm, PlaceFrame frame, const Geometry& geometry);
 
 /// The voxels of a voxel or box. In mm, those between the voxels nearest to the corners.

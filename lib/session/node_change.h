@@ -15,7 +15,7 @@ template <class T>
 class BrickChange {
  public:
   BrickChange(const BrickArray<T>& before, const BrickArray<T>& after);
-  /// `values` are those after the change.
+  /// Turns `values`, which are those after the change, into those before.
   void take_back(BrickArray<T>& values) const;
   /// The bricks of the change become as they are in `now`.
   void take_over(const BrickArray<T>& now, BrickArray<T>& values) const;
@@ -45,7 +45,7 @@ struct StepNodes {
 
 class NodeChange {
  public:
-  /// The body has the elements that it had.
+  /// Finds the change of a body that has the elements that it had.
   NodeChange(const StepNodes& before, const Body& after);
   void take_back(Body& body) const;
   std::size_t bytes() const;

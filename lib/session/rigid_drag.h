@@ -29,7 +29,7 @@ Handle handle_at(const Body& body, const RigidPiece& piece, const RigidPose& pos
 /// Makes a handle that takes the piece's elements to where that part of the motion does.
 Handle handle_of(const Body& body, const PieceMotion& motion, double part);
 
-/// The poses after that part of the motions.
+/// Sets poses to those after that part of the motions.
 void set_poses(Body& body, const std::vector<PieceMotion>& motions, double part);
 
 }  // namespace supple

@@ -92,7 +92,7 @@ class Session {
   /// Takes the last step back, bit for bit; false where none is left to take back. Throws
   /// std::logic_error where SessionOptions::keeps_undo is off.
   bool undo();
-  /// Steps that it can take back.
+  /// Number of steps that it can take back.
   std::size_t undo_steps() const;
   /// Memory that is kept for it.
   std::size_t undo_bytes() const { return m_undo_bytes; }

@@ -17,7 +17,7 @@ struct SpringStep {
   double time_s = 0.1;          // of a motion
   int most_steps = 500;         // of a minimisation
   std::vector<Value> contacts;  // motion.colliders, for the record
-  /// N/m; in place of the material's values.
+  /// Stiffnesses in N/m, in place of the material's values.
   std::optional<double> structural_n_m, shear_n_m, bending_n_m;
   double mass_damping_per_s = 0;
 

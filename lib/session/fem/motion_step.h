@@ -25,7 +25,7 @@ struct MotionStep {
   /// Steps of one length, none longer than was asked for.
   int steps() const;
   double step_length_s() const { return time_s / steps(); }
-  /// Steps of the handles' ways.
+  /// Number of steps on the handles' ways.
   int ramp_steps() const;
   /// Throws InputError: more steps than are taken for a mistake.
   void validate() const;

@@ -17,7 +17,7 @@ struct SharedHandle {
   double off_voxels = 0;                         // of an element, at most
 };
 
-/// Soft edges are left out: they promise no place.
+/// Finds such handles; leaves out soft edges, which promise no place.
 std::vector<SharedHandle> shared_handles(const std::vector<GripReach>& reaches,
                                          const std::vector<FemGrip>& grips,
                                          const std::vector<Handle>& handles,
