@@ -56,10 +56,10 @@ class Field {
                        [&value](int index) { value = Enum(index); }}) {}
 
   Field& unit(const char* text) { return m_unit = text, *this; }
-  /// Both ends are allowed; for every component of a vector.
+  /// Bounds the number, or every component of a vector; both ends are allowed.
   Field& range(double lo, double hi) { return m_lo = lo, m_hi = hi, *this; }
   Field& at_least(double lo) { return m_lo = lo, *this; }
-  /// Above 0.
+  /// Bounds the number to those above 0.
   Field& positive() { return m_lo = 0, m_is_open = true, *this; }
   /// The name in records, which say the unit.
   Field& recorded_as(const char* name) { return m_record = name, *this; }

@@ -8,7 +8,7 @@ namespace supple {
 
 double ms_since(std::chrono::steady_clock::time_point start);
 
-/// Runs from its making.
+/// A clock that runs from its making.
 class Stopwatch {
  public:
   /// `started`: before, for the time; processor time counts from now.

@@ -5,7 +5,7 @@
 
 namespace supple {
 
-/// Empty where it cannot be read.
+/// Reads a file; empty where it cannot be read.
 std::string text_of_file(const std::string& path);
 /// Replaces the file as a whole, or not at all. Throws SystemError, InputError as AtomicFile.
 void replace_text_file(const std::string& path, const std::string& text);

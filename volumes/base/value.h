@@ -33,7 +33,7 @@ class Value {
 
   Value() = default;
   Value(std::nullptr_t) {}
-  /// Truth, a whole number or another one.
+  /// Makes a truth, a whole number or another one.
   template <class T, std::enable_if_t<std::is_arithmetic_v<T>, int> = 0>
   Value(T number) {
     if constexpr (std::is_same_v<T, bool>) {
@@ -50,7 +50,7 @@ class Value {
   Value(Moment moment) : m_data(std::move(moment)) {}
   Value(const Vec3i& v) : Value(std::array<int, 3>{v.x, v.y, v.z}) {}
   Value(const Vec3d& v) : Value(std::array<double, 3>{v.x, v.y, v.z}) {}
-  /// Both corners in one list.
+  /// Makes one list of both corners.
   Value(const IndexBox& box)
       : Value(std::array<int, 6>{box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}) {}
   template <class T>
