@@ -45,7 +45,7 @@ struct TradeRow {
   /// and 1 - SSIM.
   const Spread& time_s() const { return is_drawing() ? draw_s : solve_s; }
   double error() const { return is_drawing() ? 1 - ssim : p95_mm; }
-  /// "relax-26:64".
+  /// Name such as "relax-26:64".
   std::string name() const;
 };
 

@@ -24,9 +24,9 @@ std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
 bool has_handle(Table& table);
 /// Throws InputError unless it grabs one thing and says how that moves.
 PlacedHandle read_handle(Table& table, const LabelNames& names);
-/// The keys of a selection, as of handles.
+/// Reads the keys of a selection, as of handles.
 PlacedSelection read_anchor(Table& table, const LabelNames& names);
-/// The same with labels, and a name of its own.
+/// Reads those keys with labels, and a name of its own.
 ChosenPart read_part(Table& table, const LabelNames& names);
 
 }  // namespace supple::tools

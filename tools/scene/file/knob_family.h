@@ -25,7 +25,7 @@ struct KnobSetting {
   std::string name() const;
 };
 
-/// "relax-26:64".
+/// Writes "relax-26:64".
 std::string knob_name(const KnobFamily& family, double knob);
 
 /// The name before the colon, and after it the number, or the last of the family's ladder. `list`:
@@ -48,8 +48,8 @@ KnobSetting<Family> parse_setting(const std::string& text, const std::vector<Fam
   return {&families[place], knob};
 }
 
-/// Every value of the ladders of the named families; of "NAME:KNOB" that one alone; all for no
-/// names. Throws as parse_knob.
+/// Returns every value of the ladders of the named families; for "NAME:KNOB" that one alone; for no
+/// names all. Throws as parse_knob.
 template <class Family>
 std::vector<KnobSetting<Family>> settings_named(const std::vector<std::string>& names,
                                                 const std::vector<Family>& families,

@@ -55,7 +55,7 @@ struct LiveEvent {
 Fields fields(LiveEvent& event);
 const char* name_of(EventKind kind);
 
-/// One of [[event]]. Throws InputError as Table does.
+/// Reads an entry of [[event]]. Throws InputError as Table does.
 LiveEvent read_event(Table& table, const LabelNames& names);
 
 }  // namespace supple::tools

@@ -6,8 +6,8 @@
 
 namespace supple::tools {
 
-/// `springs` or `fem` of the step, unless the model is ECM; without a table its defaults. Throws
-/// InputError for the table of another model, and for relax or limits beside one.
+/// Reads `springs` or `fem` of the step, unless the model is ECM; without a table its defaults.
+/// Throws InputError for the table of another model, and for relax or limits beside one.
 void read_model(Table& table, const LabelNames& names, StepModel model, Step& step);
 
 }  // namespace supple::tools

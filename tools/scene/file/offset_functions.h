@@ -25,7 +25,7 @@ struct FunctionKeys {
 };
 Fields fields(FunctionKeys& keys);
 
-/// One table. Absent values are chosen by the volume's geometry.
+/// A function of one table. Absent values are chosen by the volume's geometry.
 struct OffsetFunction {
   std::string place, name;  // for errors: "file:line", "path[2]"
   Value given;              // the table
@@ -46,10 +46,10 @@ SamplingPath to_path(const std::vector<OffsetFunction>& functions, const Geometr
 /// A body at rest as the functions show it; `body`: elements and shell, or all that a volume holds.
 Pose send_along(const std::vector<OffsetFunction>& functions, const Geometry& geometry,
                 const BrickTopology& body, Progress& progress);
-/// The same of a body that has moved already.
+/// Sends a body along that has moved already.
 Pose send_along(const std::vector<OffsetFunction>& functions, const Pose& moved,
                 Progress& progress);
-/// The same of a pose that nothing else needs: at no time both are whole.
+/// Sends a pose along that nothing else needs: at no time both are whole.
 Pose send_along(const std::vector<OffsetFunction>& functions, Pose&& moved, Progress& progress);
 /// Inverts and sends the offsets of a state along; without functions as invert_state() does.
 Pose invert_and_send_along(const State& state, const std::vector<OffsetFunction>& functions,

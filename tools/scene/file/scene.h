@@ -61,7 +61,7 @@ Fields fields(Step& step, StepKeys& keys);
 MaterialTable read_material_choice(Table& table, const LabelNames& names,
                                    std::string* path = nullptr);
 
-/// One of [[step]].
+/// Reads an entry of [[step]].
 Step read_step(Table& table, const LabelNames& names);
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.

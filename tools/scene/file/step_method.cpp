@@ -60,13 +60,13 @@ void by_coarse_fem(Step& step, double doublings) {
   step.fem->params.doublings = int(doublings);
 }
 
-/// The same elements, but for their dilatation, by another program.
+/// Solves the same elements, but for their dilatation, by another program.
 void by_calculix(Step& step, double solver) {
   by_fem(step, kFineTolerance);
   step.fem->params.solver = EquationSolver(int(solver));
 }
 
-/// The same elements by a library for any equations.
+/// Solves the same elements by a library for any equations.
 void by_dolfinx(Step& step, double tolerance) {
   by_fem(step, tolerance);
   step.fem->params.solver = EquationSolver::dolfinx;

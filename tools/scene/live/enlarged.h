@@ -5,7 +5,7 @@
 
 namespace supple::tools {
 
-/// Stretched to that size, linear between pixels.
+/// Stretches an image to that size, linear between pixels.
 Image enlarged(const Image& image, int width, int height);
 
 }  // namespace supple::tools

@@ -39,9 +39,9 @@ class EventMailbox {
   void close();
   /// The oldest; none where there is none now. `waits`: until there is one, or none comes any more.
   std::optional<PostedEvent> take(bool waits);
-  /// Waits, but not longer than until then.
+  /// Waits for an event, but not longer than until then.
   std::optional<PostedEvent> take_until(std::chrono::steady_clock::time_point end);
-  /// The oldest that only looks, past what reads the body, but not past what moves it.
+  /// Takes the oldest that only looks, past what reads the body, but not past what moves it.
   std::optional<PostedEvent> take_look();
   /// Takes the events out that wait and may move the body; tasks and what only looks stay.
   std::vector<LiveEvent> drop_moves();

@@ -32,7 +32,7 @@ std::vector<int> film_frames(const std::vector<LiveEvent>& events, double frames
 struct PhaseTimes {
   std::vector<double> ms, cpu_ms;
 };
-/// Nearest rank; 0 where there are none.
+/// Returns the value of the nearest rank; 0 where there are no values.
 double quantile(std::vector<double> values, double part);
 
 struct ReplayReport {

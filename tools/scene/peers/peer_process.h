@@ -25,7 +25,7 @@ class PeerProcess {
   /// `arguments` begins with the program; `environment` adds NAME=VALUE. Throws SystemError.
   explicit PeerProcess(const std::vector<std::string>& arguments,
                        const std::vector<std::string>& environment = {});
-  /// Ends it when it still runs.
+  /// Ends the process when it still runs.
   ~PeerProcess();
   PeerProcess(const PeerProcess&) = delete;
   PeerProcess& operator=(const PeerProcess&) = delete;
@@ -58,12 +58,12 @@ bool has_python_with_vtk(const std::vector<std::string>& modules);
 /// An X server without a screen, for programs that cannot draw without one.
 class VirtualDisplay {
  public:
-  /// True with Xvfb.
+  /// True where Xvfb is installed.
   static bool is_installed();
   /// Serves all programs, or one, with which it goes. Throws Error when it does not come up.
   explicit VirtualDisplay(bool is_for_one = false);
 
-  /// "DISPLAY=:N".
+  /// The variable "DISPLAY=:N".
   const std::string& environment() const { return m_environment; }
 
  private:

@@ -31,7 +31,7 @@ struct VtkAnswer {
 
 class VtkPeer {
  public:
-  /// Debian's VTK for Python, and Xvfb.
+  /// True where Debian's VTK for Python and Xvfb are.
   static bool is_installed();
 
   /// Starts it. All throw Error when VTK fails, and Cancelled when `progress`, which outlives the

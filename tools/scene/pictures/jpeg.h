@@ -8,7 +8,7 @@
 
 namespace supple::tools {
 
-/// Opaque, on black. Throws Error.
+/// Encodes an image as opaque, on black. Throws Error.
 std::vector<std::uint8_t> jpeg_of(const Image& image);
 
 }  // namespace supple::tools

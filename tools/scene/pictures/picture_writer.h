@@ -71,7 +71,7 @@ class PictureSeries {
   /// `name` has a place for a number (`a_%03d.png`) or is that of a video. Throws as
   /// check_picture_options, naming `place`.
   PictureSeries(std::string name, double frames_per_second, const std::string& place);
-  /// The files that so many pictures become.
+  /// Lists the files that this many pictures become.
   std::vector<std::string> files(int length) const;
   void add(const Image& image);
   void commit();

@@ -15,7 +15,7 @@ namespace supple::tools {
 /// Opens the volume, filters included, at its first slice.
 using VolumeOpener = std::function<std::unique_ptr<VolumeFile>()>;
 
-/// A density as renderers take it.
+/// Keys for writing densities as renderers take them.
 Fields fog_fields(WriteOptions& options);
 
 /// Warnings of the input and the output go to the progress. `open` is called a second time where

@@ -31,7 +31,7 @@ ValuePaint overlay_paint(const TissueMarks& marks, const PaintedBody& body, Pain
 void add_overlay_legend(Annotations& annotations, const TissueMarks& marks, const ValuePaint& paint,
                         int n, int count);
 
-/// Refers to the offsets.
+/// Finds rest places by the offsets, to which it refers.
 RestPlaceAt rest_place_of(const OffsetField& offsets);
 
 }  // namespace supple::tools

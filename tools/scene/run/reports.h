@@ -11,7 +11,7 @@
 namespace supple::tools {
 
 Value to_value(const BallReport& report, std::int64_t cut_links);
-/// Name, elements, turn and shift of each.
+/// Reports name, elements, turn and shift of each piece.
 Value to_value(const RigidPieces& pieces);
 Value to_value(const StepRecord& record);
 Value to_value(const std::vector<HandlePlace>& places);

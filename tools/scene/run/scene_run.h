@@ -73,7 +73,7 @@ class SceneRun {
   void open_volume_alone();
   int last_step() const { return int(m_scene.steps.size()); }
   std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
-  /// Step n, at a frame's time.
+  /// Solves step n at a frame's time.
   void solve(std::size_t n, double time = kWholePaths);
   void forget_pose();
   bool reads_displacement_later() const;
