@@ -128,7 +128,7 @@ Value presets_json() {
   return json;
 }
 
-/// Of whole pictures, as their files would have them.
+/// Presets of materials, each with its whole table.
 Value material_presets_json() {
   Value json = Value::list();
   for (const TissuePreset& preset : tissue_presets()) {

@@ -12,7 +12,7 @@ namespace supple::tools {
 Value query(const PageMessage& message, const Folders& folders);
 
 int histogram_bins(Table& table);
-/// Of the densities of the elements.
+/// Counts of the densities of the elements, in so many bins.
 Value histogram_json(OpenScene& scene, int bins);
 /// The material as its file has it.
 Value material_json(OpenScene& scene);

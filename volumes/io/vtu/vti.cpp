@@ -1,6 +1,6 @@
 // VTK's XML image data (.vti), read and written: one array of values or vectors at the points of a
 // grid, which are the voxels' centres; of foreign files also at its cells. Coordinates are LPS mm.
-// What is written lies raw behind the XML, so that slices go to the disk as they come; all VTK
+// The writer puts values raw behind the XML, so that slices go to the disk as they come; all VTK
 // readers and meshio read that.
 // Format: VTK File Formats, vtk.org, "XML File Formats"; Direction since VTK 9.
 #include <array>
@@ -23,7 +23,7 @@ constexpr std::array<const char*, 10> kVtkTypes = {
     "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64", "Float32", "Float64"};
 constexpr int kMostComponents = 16;
 constexpr const char* kCertificateMark = "<!-- supple certificate ";
-// Where VTK's own data of an image ends.
+/// The end of the file, behind its raw values.
 constexpr const char* kFooter = "\n</AppendedData>\n</VTKFile>\n";
 
 /// So many numbers of an attribute, or the default where it is missing.
