@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include <supple/lib/state/live_displacement.h>
 #include <supple/supple.h>
 #include <supple/volumes/field/inversion/invert.h>
-#include <supple/volumes/state/live_displacement.h>
 
 int main(int argc, char** argv) try {
   if (argc != 5) return std::fprintf(stderr, "usage: incremental_inverse VOLUME I J K\n"), 2;

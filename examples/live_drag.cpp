@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include <supple/lib/state/live_displacement.h>
 #include <supple/supple.h>
 #include <supple/volumes/field/inversion/forward_offsets.h>
-#include <supple/volumes/state/live_displacement.h>
 
 int main(int argc, char** argv) try {
   if (argc != 5) return std::fprintf(stderr, "usage: live_drag VOLUME I J K\n"), 2;

@@ -9,7 +9,7 @@
 
 #include "lib/body/rigid_pieces.h"
 #include "lib/material/material.h"
-#include "volumes/state/state.h"
+#include "lib/state/state.h"
 
 namespace supple {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "volumes/state/state.h"
+#include "lib/state/state.h"
 
 namespace supple {
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "lib/state/state.h"
 #include "volumes/base/error.h"
-#include "volumes/state/state.h"
 
 namespace supple {
 

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "lib/body/region.h"
+#include "lib/state/state.h"
 #include "volumes/io/format/volume_file.h"
-#include "volumes/state/state.h"
 
 namespace supple {
 

@@ -4,7 +4,7 @@
 #include "lib/body/holds.h"
 #include "lib/session/handle_ledger.h"
 #include "lib/session/selection.h"
-#include "volumes/state/state.h"
+#include "lib/state/state.h"
 
 namespace supple {
 

@@ -11,12 +11,12 @@
 #include "lib/session/session_walk.h"
 #include "lib/session/step_warnings.h"
 #include "lib/session/tissue.h"
+#include "lib/state/state_outputs.h"
+#include "lib/state/state_source.h"
 #include "volumes/base/text.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/state_outputs.h"
-#include "volumes/state/state_source.h"
 
 namespace supple {
 

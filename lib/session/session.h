@@ -18,10 +18,10 @@
 #include "lib/session/handles.h"
 #include "lib/session/rigid_drag.h"
 #include "lib/session/step.h"
+#include "lib/state/pose.h"
+#include "lib/state/state.h"
 #include "volumes/grid/volume.h"
 #include "volumes/io/format/volume_file.h"
-#include "volumes/state/pose.h"
-#include "volumes/state/state.h"
 
 namespace supple {
 

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "lib/state/state.h"
 #include "volumes/grid/labels.h"
-#include "volumes/state/state.h"
 
 namespace supple::test {
 

@@ -1,8 +1,8 @@
 // Options of a command do what the keys of a scene do, and the other way round.
 #include <gtest/gtest.h>
 
+#include "lib/state/state.h"
 #include "tests/support/program.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -2,11 +2,11 @@
 // image must fail by a wide margin (docs/building.md lists by how much).
 #include <gtest/gtest.h>
 
+#include "lib/state/state.h"
 #include "raycast/pictures/compare.h"
 #include "raycast/render.h"
 #include "tests/tools/golden.h"
 #include "volumes/field/inversion/invert.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -41,7 +41,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"toml++/", {"volumes/base"}},
     {"nlohmann/", {"volumes/base", "volumes/io", "tools/lab"}},
     {"CLI/", {"tools/commands", "tools/console", "tools/examples", "tools/lab", "tools/viewer"}},
-    {"openvdb/", {"volumes/grid", "volumes/io/vdb", "volumes/state", "tools/lab/bench"}},
+    {"openvdb/", {"volumes/grid", "volumes/io/vdb", "lib/state", "tools/lab/bench"}},
     {"nanovdb/", {"tools/lab/bench"}},
     {"tiff", {"volumes/io/tiff"}},
     {"nifti", {"volumes/io/nifti"}},

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "lib/state/state.h"
 #include "tests/support/program.h"
 #include "volumes/grid/labels.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

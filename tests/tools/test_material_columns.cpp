@@ -1,8 +1,8 @@
 // Physical columns and presets of material tables on the command line, in scenes and in states.
 #include <gtest/gtest.h>
 
+#include "lib/state/state.h"
 #include "tests/support/program.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/state/state.h"
 #include "raycast/pictures/compare.h"
 #include "raycast/render.h"
 #include "tests/support/program.h"
 #include "volumes/base/error.h"
 #include "volumes/field/inversion/invert.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

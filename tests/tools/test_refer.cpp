@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "lib/state/state_source.h"
 #include "tests/support/io_fixtures.h"
 #include "tests/support/program.h"
-#include "volumes/state/state_source.h"
 
 using namespace supple;
 using namespace supple::test;

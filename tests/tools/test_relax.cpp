@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "lib/state/state.h"
 #include "tests/support/program.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

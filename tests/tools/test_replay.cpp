@@ -7,9 +7,9 @@
 #include "lib/body/body.h"
 #include "lib/body/lattice.h"
 #include "lib/material/material_file.h"
+#include "lib/state/state.h"
 #include "raycast/pictures/image.h"
 #include "tests/tools/replay_fixture.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -7,8 +7,8 @@
 
 #include "lib/body/body.h"
 #include "lib/body/lattice.h"
+#include "lib/state/state.h"
 #include "tests/tools/replay_fixture.h"
-#include "volumes/state/state.h"
 
 using namespace supple;
 using namespace supple::test;

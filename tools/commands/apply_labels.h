@@ -6,11 +6,11 @@
 
 #include <string>
 
+#include "lib/state/state_outputs.h"
 #include "tools/console/console.h"
 #include "volumes/base/value.h"
 #include "volumes/field/points/point_motion.h"
 #include "volumes/io/load/stored_labels.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

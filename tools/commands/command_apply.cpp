@@ -1,6 +1,7 @@
 // supple apply: points, meshes and label volumes follow a deformation, forward and back.
 #include <cstdio>
 
+#include "lib/state/state_outputs.h"
 #include "tools/commands/apply_labels.h"
 #include "tools/commands/moved_places.h"
 #include "tools/console/command.h"
@@ -11,7 +12,6 @@
 #include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"
 #include "volumes/io/warp_file.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "lib/state/state_outputs.h"
 #include "raycast/pictures/compare.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
@@ -18,7 +19,6 @@
 #include "volumes/io/point_file.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -1,11 +1,11 @@
 // supple compose: several transforms as one warp.
+#include "lib/state/state_outputs.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/run/converted.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/io/transform/transform_volume.h"
 #include "volumes/io/warp_file.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

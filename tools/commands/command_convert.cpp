@@ -2,6 +2,8 @@
 // refers to its volume with everything that it needs.
 #include <filesystem>
 
+#include "lib/state/pose.h"
+#include "lib/state/state_source.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/run/converted.h"
@@ -9,8 +11,6 @@
 #include "volumes/io/format/data_files.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/pose.h"
-#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 

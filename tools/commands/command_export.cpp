@@ -3,6 +3,8 @@
 #include <cstdio>
 
 #include "lib/session/fem/state_solid.h"
+#include "lib/state/state_outputs.h"
+#include "lib/state/state_source.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
@@ -13,8 +15,6 @@
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/values_at.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/state_outputs.h"
-#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 

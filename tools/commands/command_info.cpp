@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "lib/state/state.h"
+#include "lib/state/state_source.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
@@ -18,8 +20,6 @@
 #include "volumes/io/mesh/mesh_contents.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/vtu/vtu.h"
-#include "volumes/state/state.h"
-#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 

@@ -1,6 +1,7 @@
 // supple invert: the inverse of any warp file, with a certificate of how well it inverts.
 #include <cstdio>
 
+#include "lib/state/state_outputs.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/result_lines.h"
@@ -9,7 +10,6 @@
 #include "volumes/base/json.h"
 #include "volumes/field/dense/invert_warp.h"
 #include "volumes/io/warp_file.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lib/state/state_outputs.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/people_text.h"
@@ -14,7 +15,6 @@
 #include "volumes/io/load/stored_labels.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/warp_file.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

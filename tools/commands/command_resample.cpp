@@ -1,5 +1,6 @@
 // supple resample: the deformed volume on a grid, for those who do want it resampled; or a volume
 // with other voxel sizes or on another grid.
+#include "lib/state/state_outputs.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/console/result_lines.h"
@@ -9,7 +10,6 @@
 #include "tools/scene/run/output_plan.h"
 #include "volumes/io/filter/on_grid.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "lib/state/state.h"
 #include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 #include "tools/console/dry_run.h"
@@ -18,7 +19,6 @@
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/json.h"
 #include "volumes/base/own_process.h"
-#include "volumes/state/state.h"
 
 namespace supple::tools {
 

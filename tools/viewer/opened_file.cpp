@@ -4,12 +4,12 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
+#include "lib/state/state.h"
 #include "tools/scene/file/live_event.h"
 #include "volumes/base/text.h"
 #include "volumes/base/value.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/state.h"
 
 namespace supple::tools {
 

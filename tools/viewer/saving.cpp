@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "lib/state/state_outputs.h"
 #include "tools/scene/file/transfer_file.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/pictures/picture_writer.h"
@@ -13,7 +14,6 @@
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/toml.h"
 #include "volumes/base/value.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -6,12 +6,12 @@
 #include <optional>
 #include <string>
 
+#include "lib/state/state.h"
 #include "raycast/drawings/slice.h"
 #include "tools/scene/file/slice_view.h"
 #include "tools/scene/pictures/picture_options.h"
 #include "tools/viewer/frame_message.h"
 #include "tools/viewer/overlay.h"
-#include "volumes/state/state.h"
 
 namespace supple::tools {
 

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "lib/state/state.h"
 #include "volumes/io/vtu/solid_file.h"
-#include "volumes/state/state.h"
 
 namespace supple {
 

@@ -1,14 +1,14 @@
 // Fields of a local drag: what they store does not grow with the tissue around it.
 #include <gtest/gtest.h>
 
+#include "lib/state/live_displacement.h"
+#include "lib/state/pose.h"
+#include "lib/state/warp_jumps.h"
 #include "tests/support/program.h"
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/io/volume_writer.h"
-#include "volumes/state/live_displacement.h"
-#include "volumes/state/pose.h"
-#include "volumes/state/warp_jumps.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "lib/state/live_displacement.h"
 #include "tests/support/random_state.h"
 #include "volumes/field/displacement.h"
-#include "volumes/state/live_displacement.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/state/own_bricks.h"
 #include "tests/support/errors.h"
 #include "tests/support/random_state.h"
 #include "tests/support/sanitized.h"
@@ -15,7 +16,6 @@
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
-#include "volumes/state/own_bricks.h"
 
 using namespace supple;
 using namespace supple::test;

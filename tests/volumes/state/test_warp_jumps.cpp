@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "volumes/state/warp_jumps.h"
+#include "lib/state/warp_jumps.h"
 
 using namespace supple;
 

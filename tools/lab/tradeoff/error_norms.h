@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "lib/material/material.h"
+#include "lib/state/state.h"
 #include "volumes/base/progress.h"
-#include "volumes/state/state.h"
 
 namespace supple::tools {
 

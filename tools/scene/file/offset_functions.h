@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "lib/state/pose.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/table.h"
 #include "volumes/base/value.h"
 #include "volumes/field/paths/path_functions.h"
-#include "volumes/state/pose.h"
 
 namespace supple::tools {
 

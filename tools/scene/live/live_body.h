@@ -9,13 +9,13 @@
 #include <set>
 
 #include "lib/session/session.h"
+#include "lib/state/live_displacement.h"
 #include "raycast/drawings/slice.h"
 #include "raycast/render.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/inversion/forward_offsets.h"
-#include "volumes/state/live_displacement.h"
 
 namespace supple::tools {
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "lib/session/cut_surface.h"
+#include "lib/state/state.h"
 #include "volumes/base/value.h"
-#include "volumes/state/state.h"
 
 namespace supple::tools {
 

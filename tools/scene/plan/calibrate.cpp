@@ -7,6 +7,8 @@
 #include "lib/material/material_file.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/session.h"
+#include "lib/state/pose.h"
+#include "lib/state/state_outputs.h"
 #include "raycast/render.h"
 #include "raycast/scene/presets.h"
 #include "volumes/base/scratch_folder.h"
@@ -15,8 +17,6 @@
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
-#include "volumes/state/pose.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "lib/state/state_source.h"
 #include "tools/scene/plan/plan_ledger.h"
 #include "tools/scene/plan/planned_run.h"
 #include "volumes/base/error.h"
 #include "volumes/base/own_process.h"
 #include "volumes/io/load/brick_sample.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 

@@ -2,12 +2,12 @@
 
 #include <filesystem>
 
+#include "lib/state/state_source.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
-#include "volumes/state/state_source.h"
 
 namespace supple::tools {
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "lib/session/session.h"
+#include "lib/state/pose.h"
 #include "raycast/render.h"
 #include "volumes/base/value.h"
-#include "volumes/state/pose.h"
 
 namespace supple::tools {
 

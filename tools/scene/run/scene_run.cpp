@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "lib/material/material_file.h"
+#include "lib/state/state_outputs.h"
 #include "tools/scene/run/element_volumes.h"
 #include "tools/scene/run/film_record.h"
 #include "tools/scene/run/output_plan.h"
@@ -16,7 +17,6 @@
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/warp_file.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <string>
 
+#include "lib/state/pose.h"
 #include "raycast/render.h"
 #include "raycast/scene/view_volume.h"
 #include "tools/scene/file/scene.h"
-#include "volumes/state/pose.h"
 
 namespace supple::tools {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/state/live_displacement.h"
 #include "tools/lab/bench/bodies/ecm_engines.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"
 #include "volumes/field/inversion/invert.h"
-#include "volumes/state/live_displacement.h"
 
 namespace supple::tools {
 

@@ -8,6 +8,7 @@
 
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
+#include "lib/state/state_outputs.h"
 #include "raycast/render.h"
 #include "tools/console/command.h"
 #include "tools/lab/bench/report/memory.h"
@@ -15,7 +16,6 @@
 #include "tools/lab/bench/report/timing.h"
 #include "tools/scene/peers/peer_process.h"
 #include "volumes/io/volume_writer.h"
-#include "volumes/state/state_outputs.h"
 
 namespace supple::tools {
 

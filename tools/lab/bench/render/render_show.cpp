@@ -8,6 +8,8 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include "lib/state/live_displacement.h"
+#include "lib/state/state.h"
 #include "raycast/progressive.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/peers/peer_head.h"
@@ -19,8 +21,6 @@
 #include "volumes/base/value.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
-#include "volumes/state/live_displacement.h"
-#include "volumes/state/state.h"
 
 namespace supple::tools {
 

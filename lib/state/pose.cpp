@@ -1,4 +1,4 @@
-#include "volumes/state/pose.h"
+#include "lib/state/pose.h"
 
 #include "volumes/base/text.h"
 #include "volumes/field/cuts/cut_offsets.h"

@@ -1,9 +1,9 @@
-#include "volumes/state/state_outputs.h"
+#include "lib/state/state_outputs.h"
 
+#include "lib/state/warp_jumps.h"
 #include "volumes/base/json.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/io/open_volume.h"
-#include "volumes/state/warp_jumps.h"
 
 namespace supple {
 

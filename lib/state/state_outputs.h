@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "lib/state/pose.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/io/volume_writer.h"
-#include "volumes/state/pose.h"
 
 namespace supple {
 

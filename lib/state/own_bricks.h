@@ -3,8 +3,8 @@
 // what moved can be read without the source.
 #pragma once
 
+#include "lib/state/state_source.h"
 #include "volumes/field/vector_bricks.h"
-#include "volumes/state/state_source.h"
 
 namespace supple {
 

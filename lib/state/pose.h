@@ -4,8 +4,8 @@
 
 #include <functional>
 
+#include "lib/state/state.h"
 #include "volumes/base/progress.h"
-#include "volumes/state/state.h"
 
 namespace supple {
 

@@ -1,4 +1,4 @@
-#include "volumes/state/state_source.h"
+#include "lib/state/state_source.h"
 
 #include <array>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "volumes/state/live_displacement.h"
+#include "lib/state/live_displacement.h"
 
 #include <algorithm>
 #include <limits>
 
 #include <tbb/parallel_for.h>
 
-#include "volumes/state/state.h"
+#include "lib/state/state.h"
 
 namespace supple {
 

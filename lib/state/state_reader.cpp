@@ -1,14 +1,14 @@
 // Reads state files: the grids of state_grids.h, checked, as a State.
 #include <algorithm>
 
+#include "lib/state/anchor_text.h"
+#include "lib/state/own_bricks.h"
+#include "lib/state/state_grids.h"
 #include "volumes/base/text.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/vdb/vdb_seal.h"
 #include "volumes/io/vdb/vdb_stream.h"
-#include "volumes/state/anchor_text.h"
-#include "volumes/state/own_bricks.h"
-#include "volumes/state/state_grids.h"
 
 namespace supple {
 

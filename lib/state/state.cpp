@@ -1,4 +1,4 @@
-#include "volumes/state/state.h"
+#include "lib/state/state.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 
 #include <string>
 
+#include "lib/state/pose.h"
 #include "raycast/pictures/image.h"
 #include "raycast/render.h"
-#include "volumes/state/pose.h"
 
 namespace supple {
 

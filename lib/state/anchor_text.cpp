@@ -1,4 +1,4 @@
-#include "volumes/state/anchor_text.h"
+#include "lib/state/anchor_text.h"
 
 #include <algorithm>
 

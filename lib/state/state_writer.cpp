@@ -1,6 +1,9 @@
 // Writes state files: a State as the grids of state_grids.h, sealed and renamed at the end.
 #include <algorithm>
 
+#include "lib/state/anchor_text.h"
+#include "lib/state/own_bricks.h"
+#include "lib/state/state_grids.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/json.h"
 #include "volumes/geometry/geometry_text.h"
@@ -8,9 +11,6 @@
 #include "volumes/grid/labels.h"
 #include "volumes/io/vdb/vdb_seal.h"
 #include "volumes/io/vdb/vdb_stream.h"
-#include "volumes/state/anchor_text.h"
-#include "volumes/state/own_bricks.h"
-#include "volumes/state/state_grids.h"
 
 namespace supple {
 

@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
+#include "lib/state/state.h"
 #include "volumes/base/progress.h"
 #include "volumes/io/format/volume_file.h"
-#include "volumes/state/state.h"
 
 namespace supple {
 

@@ -1,4 +1,4 @@
-#include "volumes/state/warp_jumps.h"
+#include "lib/state/warp_jumps.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,4 +1,4 @@
-#include "volumes/state/own_bricks.h"
+#include "lib/state/own_bricks.h"
 
 #include <algorithm>
 

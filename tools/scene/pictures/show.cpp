@@ -1,4 +1,4 @@
-#include "raycast/show.h"
+#include "tools/scene/pictures/show.h"
 
 #include "raycast/scene/presets.h"
 
