@@ -118,16 +118,42 @@ function(supple_add_entry name label parts filter)
   endforeach()
 endfunction()
 
-# supple_add_tests(NAME [COLD] [EXCLUDE REGEX] [SOURCES ...] LIBRARIES ... LABELS ...
+# supple_test_folders(OUT): the current folder and those below it with tests, but for folders with a
+# CMakeLists.txt of their own and what lies below them.
+function(supple_test_folders out)
+  file(GLOB_RECURSE sources RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE others RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} CONFIGURE_DEPENDS */CMakeLists.txt)
+  list(REMOVE_ITEM others CMakeLists.txt)
+  list(TRANSFORM others REPLACE "CMakeLists\\.txt$" "")
+  set(folders .)
+  foreach(source IN LISTS sources)
+    get_filename_component(folder ${source} DIRECTORY)
+    set(is_here ON)
+    foreach(other IN LISTS others)
+      string(FIND "${source}" "${other}" at)
+      if(at EQUAL 0)
+        set(is_here OFF)
+      endif()
+    endforeach()
+    if(folder AND is_here)
+      list(APPEND folders ${folder})
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  set(${out} ${folders} PARENT_SCOPE)
+endfunction()
+
+# supple_add_tests(NAME [COLD] [EXCLUDE REGEX] [ALSO FOLDER ...] [SOURCES ...] LIBRARIES ... LABELS ...
 #                  [NOT_SANITIZED FILTER ... | SANITIZED FILTER ...])
 # COLD: tests that compute much themselves; all others are not optimised at all.
-# All .cpp of the current folder as one binary, one entry per label, or N of them for LABEL/N. A
+# All .cpp of the current folder, of those below it that have no CMakeLists.txt of their own, and of
+# those ALSO named become one binary with one entry per label, or N of them for LABEL/N. A
 # suite belongs to the label its name starts with: TEST(PropertyEcm, ...) runs under the label
 # "property". Sanitized builds leave out long tests of NOT_SANITIZED, which look at figures and run
 # through code that others run through, too, or run those of SANITIZED alone. Anonymous namespaces of
 # one folder share their names, as its files are compiled together.
 function(supple_add_tests name)
-  cmake_parse_arguments(ARG "COLD" "EXCLUDE" "SOURCES;LIBRARIES;LABELS;NOT_SANITIZED;SANITIZED" ${ARGN})
+  cmake_parse_arguments(ARG "COLD" "EXCLUDE" "ALSO;SOURCES;LIBRARIES;LABELS;NOT_SANITIZED;SANITIZED" ${ARGN})
   set(how unoptimised)
   if(ARG_COLD OR SUPPLE_SANITIZE)  # sanitized, cold code is not optimised either
     set(how cold)
@@ -137,7 +163,8 @@ function(supple_add_tests name)
   if(ARG_EXCLUDE)
     string(APPEND not_here "|${ARG_EXCLUDE}")
   endif()
-  supple_add_sources(test_${name} . EXCLUDE "${not_here}")
+  supple_test_folders(folders)
+  supple_add_sources(test_${name} ${folders} ${ARG_ALSO} EXCLUDE "${not_here}")
   target_link_libraries(test_${name} PRIVATE supple_options supple_${how} supple_test_support
                                              ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   target_precompile_headers(test_${name} REUSE_FROM supple_${how}_headers)

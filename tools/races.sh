@@ -55,8 +55,8 @@ chmod +x "$program"
 export SUPPLE_BINARY="$program" SUPPLE_SOURCE_DIR="$PWD" PYTHONDONTWRITEBYTECODE=1
 failed=0
 for script in session attacks; do
-  say "tests/viewer/$script.py"
-  /usr/bin/python3 "tests/viewer/$script.py" || failed=1
+  say "tests/tools/viewer/$script.py"
+  /usr/bin/python3 "tests/tools/viewer/$script.py" || failed=1
 done
 say "journals"
 build/release/bin/test_tools --gtest_brief=1 --gtest_filter='UnitReplay.*' || failed=1

@@ -69,17 +69,21 @@ bool is_below(const std::string& folder, const std::string& root) {
   return folder == root || folder.rfind(root + "/", 0) == 0;
 }
 
+/// Adds the files below a folder, from the root of the source.
+void add_files(const std::string& root, const std::vector<std::string>& extensions,
+               std::vector<std::string>& files) {
+  const std::filesystem::path path = std::filesystem::path(source_dir()) / root;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
+    const std::string extension = entry.path().extension().string();
+    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
+    files.push_back(std::filesystem::relative(entry.path(), source_dir()).string());
+  }
+}
+
 /// The files of the product, from the root of the source.
 std::vector<std::string> product_files(const std::vector<std::string>& extensions) {
   std::vector<std::string> files;
-  for (const auto& [root, allowed] : kMayInclude) {
-    const std::filesystem::path path = std::filesystem::path(source_dir()) / root;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(path)) {
-      const std::string extension = entry.path().extension().string();
-      if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end()) continue;
-      files.push_back(std::filesystem::relative(entry.path(), source_dir()).string());
-    }
-  }
+  for (const auto& [root, allowed] : kMayInclude) add_files(root, extensions, files);
   return files;
 }
 
@@ -234,7 +238,9 @@ TEST(UnitIncludeGraph, EveryTypeNameStandsForOneType) {
 
 TEST(UnitIncludeGraph, FoldersHoldAtMostTwentyFiveSourcesAndLargerOnesAReadme) {
   std::map<std::string, int> sources, files;
-  for (const std::string& file : product_files({".h", ".cpp"})) {
+  std::vector<std::string> all = product_files({".h", ".cpp"});
+  add_files("tests", {".h", ".cpp"}, all);
+  for (const std::string& file : all) {
     ++files[folder_of(file)];
     sources[folder_of(file)] += file.back() == 'p';
   }
@@ -242,6 +248,18 @@ TEST(UnitIncludeGraph, FoldersHoldAtMostTwentyFiveSourcesAndLargerOnesAReadme) {
     EXPECT_LE(sources[folder], 25) << folder;
     if (count <= 5) continue;
     EXPECT_TRUE(std::filesystem::exists(source_dir() + "/" + folder + "/README.md")) << folder;
+  }
+}
+
+TEST(UnitIncludeGraph, FoldersOfTestsMirrorThoseOfTheProduct) {
+  std::vector<std::string> files;
+  for (const auto& [root, allowed] : kMayInclude) add_files("tests/" + root, {".cpp"}, files);
+  ASSERT_GT(files.size(), 200u);
+  for (const std::string& file : files) {
+    const std::string folder = folder_of(file).substr(std::string("tests/").size());
+    if (folder == "volumes/export") continue;  // writers of all formats, and their judges
+    EXPECT_TRUE(std::filesystem::is_directory(std::filesystem::path(source_dir()) / folder))
+        << file;
   }
 }
 
