@@ -15,7 +15,7 @@
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/motion_step.h"
 #include "lib/session/fem/shared_handles.h"
-#include "lib/session/selection.h"
+#include "lib/session/handles/selection.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/value.h"
@@ -74,7 +74,7 @@ struct FemRecord {
   double milliseconds = 0;
 };
 
-struct PieceMotion;  // lib/session/rigid_drag.h
+struct PieceMotion;  // lib/session/handles/rigid_drag.h
 struct FreePose;     // lib/session/free_poses.h
 
 /// The part of a session that the solver works on.

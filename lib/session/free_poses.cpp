@@ -6,7 +6,7 @@
 
 #include "lib/chainmail/fraction.h"
 #include "lib/chainmail/piece_bounds.h"
-#include "lib/session/rigid_drag.h"
+#include "lib/session/handles/rigid_drag.h"
 
 namespace supple {
 

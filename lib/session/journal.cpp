@@ -44,10 +44,28 @@ Value to_value(const Drag& drag) {
     on_the_way["by_mm"] = pose.by_mm;
   }
   if (drag.soft_mm > 0) value["soft_mm"] = drag.soft_mm;
-  if (drag.kind == HandleKind::push) value["push"] = true;
+  if (drag.pushes) value["push"] = true;
   if (drag.spares_fixed) value["spare_fixed"] = true;
   if (drag.slides) value["slide"] = true;
   return value;
+}
+
+/// Boxes, labels and other selections are lists of their own.
+void add_anchors(const std::vector<ChosenPart>& anchors, Value& step) {
+  Value boxes, labels, selections;
+  for (const ChosenPart& part : anchors) {
+    if (part.label != 0) {
+      labels.push_back(part.label);
+    } else if (const IndexBox* box = part.box()) {
+      boxes.push_back(*box);
+    } else {
+      selections.push_back(selection_value(*part.selection));
+    }
+  }
+  for (const auto& [key, list] : {std::pair("fix", &boxes), std::pair("fix_label", &labels),
+                                  std::pair("anchors", &selections)}) {
+    if (!list->empty()) step[key] = *list;
+  }
 }
 
 /// The settings of a struct that lists its fields.
@@ -59,11 +77,7 @@ Value recorded(Params params) {
 Value to_value(const StepRecord& record) {
   Value step;
   for (const Drag& drag : record.drags) step["handles"].push_back(to_value(drag));
-  for (const IndexBox& box : record.fix) step["fix"].push_back(box);
-  if (!record.fix_labels.empty()) step["fix_label"] = record.fix_labels;
-  for (const Selection& selection : record.fix_selections) {
-    step["anchors"].push_back(selection_value(selection));
-  }
+  add_anchors(record.fix, step);
   if (record.release) step["release"] = true;
   if (record.shift_pieces) step["shift_pieces"] = true;
   if (record.material) step["material"] = material_to_toml(*record.material);

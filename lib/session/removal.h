@@ -3,7 +3,7 @@
 
 #include "lib/body/holds.h"
 #include "lib/session/handle_ledger.h"
-#include "lib/session/selection.h"
+#include "lib/session/handles/selection.h"
 #include "lib/state/state.h"
 
 namespace supple {

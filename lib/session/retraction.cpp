@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/session/drag_handles.h"
+#include "lib/session/handles/drag_handles.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 #include "volumes/base/value.h"

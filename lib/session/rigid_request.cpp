@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/session/handle_motion.h"
+#include "lib/session/handles/handle_motion.h"
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"
 #include "volumes/base/text.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lib/body/rigid_links.h"
-#include "lib/session/selection.h"
+#include "lib/session/handles/selection.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/value.h"
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "lib/material/material_file.h"
-#include "lib/session/drag_handles.h"
+#include "lib/session/handles/drag_handles.h"
 #include "lib/session/journal.h"
 #include "lib/session/session_before.h"
 #include "lib/session/session_walk.h"
@@ -217,10 +217,11 @@ decltype(auto) placed_at(const Step& step, const Work& work) {
 }
 
 void require_points(const Step& step, const Body& body) {
-  for (const PlacedHandle& handle : step.handles) {
-    if (handle.points) require_in_body(*handle.points, body);
-  }
-  for (const PointFile& file : step.fix_points) require_in_body(file, body);
+  const auto require = [&](const auto& placed) {
+    if (placed && placed->points) require_in_body(*placed->points, body);
+  };
+  for (const Drag& drag : step.drags) require(drag.placed);
+  for (const ChosenPart& part : step.fix) require(part.placed);
 }
 
 }  // namespace
@@ -242,14 +243,15 @@ void Session::check_elements(const Step& request) const {
     require_element(region, "grab", m_body, m_state, m_source);
     elements_of(m_body, region, "grab");
   }
-  for (const IndexBox& box : request.fix) {
-    require_element(box, "fix", m_body, m_state, m_source);
-    elements_of(m_body, box, "fix");
-  }
-  for (const std::int32_t label : request.fix_labels) require_label(m_state.labels, label, "fix");
-  for (const Selection& selection : request.fix_selections) {
-    if (waits(selection)) continue;
-    supple::region_of(selection, m_body, m_state.density, "fix");
+  for (const ChosenPart& part : request.fix) {
+    if (const IndexBox* box = part.box()) {
+      require_element(*box, "fix", m_body, m_state, m_source);
+      elements_of(m_body, *box, "fix");
+    } else if (part.label != 0) {
+      require_label(m_state.labels, part.label, "fix");
+    } else if (!waits(*part.selection)) {
+      supple::region_of(*part.selection, m_body, m_state.density, "fix");
+    }
   }
 }
 
@@ -272,18 +274,17 @@ void Session::release_and_fix(const Step& request) {
   const auto add = [](auto& list, const auto& item) {
     if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
   };
-  for (const IndexBox& box : request.fix) add(m_state.anchors, box);
-  for (const std::int32_t label : request.fix_labels) {
-    require_label(m_state.labels, label, "fix");
-    add(m_state.anchor_labels, label);
+  for (const ChosenPart& part : request.fix) {
+    if (const IndexBox* box = part.box()) {
+      add(m_state.anchors, *box);
+    } else if (part.label != 0) {
+      require_label(m_state.labels, part.label, "fix");
+      add(m_state.anchor_labels, part.label);
+    } else {
+      add(m_state.anchor_selections, selection_value(*part.selection));
+    }
   }
-  for (const Selection& selection : request.fix_selections) {
-    add(m_state.anchor_selections, selection_value(selection));
-  }
-  if (request.release || !request.fix.empty() || !request.fix_labels.empty() ||
-      !request.fix_selections.empty()) {
-    find_anchors();
-  }
+  if (request.release || !request.fix.empty()) find_anchors();
 }
 
 const StepRecord& Session::step(const Step& step, Progress* progress, double time) {

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "lib/material/material_file.h"
-#include "lib/session/drag_handles.h"
+#include "lib/session/handles/drag_handles.h"
 #include "lib/session/removal.h"
 #include "lib/session/session.h"
 #include "lib/session/session_walk.h"

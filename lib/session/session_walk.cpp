@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "lib/model/quasi_static.h"
-#include "lib/session/drag_handles.h"
+#include "lib/session/handles/drag_handles.h"
 #include "lib/session/step_warnings.h"
 #include "volumes/base/repeated_lines.h"
 
@@ -50,10 +50,6 @@ std::vector<Drag> drags_at(std::vector<Drag> drags, std::size_t pose) {
     drag.way.clear();
   }
   return drags;
-}
-
-bool has_anchors(const Step& request) {
-  return !request.fix.empty() || !request.fix_labels.empty() || !request.fix_selections.empty();
 }
 
 /// Adds the report of a pose to that of all poses so far.
@@ -104,7 +100,7 @@ void Session::run_step(StepRecord& record, Progress* progress) {
     record.relax = tissue_relaxation(m_material.relaxes_by_poisson);
   }
   release_and_fix(record);
-  if (has_anchors(record)) {
+  if (!record.fix.empty()) {
     SlotSet grabbed;
     for (const Region& region : regions_of(record)) {
       grabbed.add(elements_of(m_body, region, "grab"));

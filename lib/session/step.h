@@ -14,57 +14,28 @@
 #include "lib/session/cut_surface.h"
 #include "lib/session/fem_step.h"
 #include "lib/session/handle_ledger.h"
-#include "lib/session/handle_motion.h"
-#include "lib/session/placed_handle.h"
+#include "lib/session/handles/handles.h"
 #include "lib/session/retraction.h"
 #include "lib/session/rigid_request.h"
-#include "lib/session/selection.h"
 #include "lib/session/spring_step.h"
 
 namespace supple {
-
-/// Motion on which a drag takes its elements, from where they are before the step.
-struct DragPose {
-  Vec3d by_mm;
-  HandleMotion motion;
-};
-
-/// A handle with its motion; the displacement is in millimetres along the grid axes.
-struct Drag {
-  Region region;
-  Vec3d by_mm;
-  HandleKind kind = HandleKind::two_sided;
-  std::int32_t label = 0;  // whose elements are grabbed, as one, instead of the region
-  std::optional<Selection> selection = {};  // grabbed instead of the region
-  HandleMotion motion = {};
-  double soft_mm = 0;  // width of an edge around a selected box or ball, which follows in part
-  bool spares_fixed = false;  // leaves out what anchors hold, whole rigid pieces too
-  /// A shift that something stops goes on along each axis of the grid as far as that is free.
-  bool slides = false;
-  /// Poses to pass through before the motion above; as many in every drag of a step that has any.
-  std::vector<DragPose> way = {};
-};
 
 /// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6);
 /// tighten: box, and then tighten(), after the step's relaxation if it has one.
 enum class Limits { box, ball, tighten };
 
-/// Places are as people write them, in one of three frames, or on the grid already, as programs
-/// have them: a session finds the former on its grid (on_grid() of handles.h).
+/// Drags and parts have places as people write them, in one of three frames, or on the grid
+/// already, as programs have them: a session finds the former on its grid by on_grid().
 ///
 /// Drags with a way go from pose to pose. Each pose is solved, and relaxed, as a step of its own
 /// that starts where the one before it ended. Drags without a way are at their ends from the first
 /// pose on. Cuts, removals, new pieces, anchors and retractions come with the first.
 struct Step {
   std::string place = {};  // "file:line", for errors; empty: a program's
-  std::vector<PlacedHandle> handles = {};
-  std::vector<Drag> drags = {};  // handles on the grid
-  std::vector<IndexBox> fix = {};
-  std::vector<std::int32_t> fix_labels = {};
-  std::vector<PointFile> fix_points = {};
-  std::vector<PlacedSelection> anchors = {};
-  std::vector<Selection> fix_selections = {};  // anchors on the grid
-  bool release = false;                        // lets go of everything that earlier steps held
+  std::vector<Drag> drags = {};
+  std::vector<ChosenPart> fix = {};  // anchors
+  bool release = false;              // lets go of everything that earlier steps held
   std::vector<CutSurface> cuts = {};
   std::vector<ChosenPart> remove = {};  // elements that are gone from now on
   RigidRequest rigid = {};              // after cuts and removals, before the drags
@@ -90,6 +61,15 @@ struct Step {
   /// True if a handle follows a path.
   bool is_animated() const;
 };
+
+/// The step with everything that is placed on the grid. Handles that have a path are at their poses
+/// at `time`, where a film takes them at once. Throws InputError for places outside the volume.
+Step on_grid(const Step& step, const Geometry& geometry, double time = kWholePaths);
+
+/// Throws InputError, naming the step's place, for handles and fixed boxes outside of the volume,
+/// displacements beyond the range and handles that its model does not have. Elements are known only
+/// to a session.
+void check_places(const Step& step, const Geometry& geometry);
 
 /// Two rigid pieces that met and stopped a step.
 struct BoneStop {

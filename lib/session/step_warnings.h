@@ -1,7 +1,8 @@
 // Warnings about a step: projections, stopped drags, limits that are left broken.
 #pragma once
 
-#include "lib/session/rigid_drag.h"
+#include "lib/session/handles/rigid_drag.h"
+#include "lib/session/step.h"
 #include "volumes/base/progress.h"
 
 namespace supple {

@@ -30,7 +30,8 @@ std::vector<KeyTable> all_tables() {
   static ReadOptions read;
   static Step step;
   static StepKeys step_keys;
-  static PlacedHandle handle;
+  static Drag handle;
+  PlacedHandle& placed = handle.placed.emplace();
   static PlacedPose pose;
   static FunctionKeys function;
   static Film film;
@@ -50,32 +51,30 @@ std::vector<KeyTable> all_tables() {
   static SliceChoice slice;
   static Clip clip;
   static Light light;
-  return {
-      {"volume", "[volume]", "", fields(read)},
-      {"step", "[[step]]", "", fields(step, step_keys)},
-      {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "",
-       fields(static_cast<PlacedSelection&>(handle))},
-      {"motion", "handles = [{ … }] of a [[step]]", "", fields(static_cast<PlacedMotion&>(handle))},
-      {"path", "path = [{ … }] of a handle", "", fields(pose)},
-      {"function", "[path] of a scene and path = { … } of a [[view]]", "", fields(function)},
-      {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
-      {"plane", "plane = { … } of a cut", "", plane_fields(plane)},
-      {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
-      {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
-      {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
-      {"fem", "fem = { … } of a [[step]]", "", fields(fem)},
-      {"modes", "modes = { … } of fem", "", fields(modes)},
-      {"fem_motion", "motion = { … } of fem", "", fields(fem_motion)},
-      {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
-      {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
-       load_fields(pressure)},
-      {"view", "[[view]]", "", fields(view)},
-      {"camera_path", "camera_path = [{ … }] of a [[view]]", "", fields(camera_key)},
-      {"film", "[film]", "", fields(film)},
-      {"event", "[[event]] of a journal", "", fields(event)},
-      {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
-      {"clip", "clip = [{ … }] of a [[view]]", "clip-", tools::fields(clip)},
-      {"light", "light = [{ … }] of a [[view]]", "", tools::fields(light)}};
+  return {{"volume", "[volume]", "", fields(read)},
+          {"step", "[[step]]", "", fields(step, step_keys)},
+          {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "", fields(placed)},
+          {"motion", "handles = [{ … }] of a [[step]]", "", fields(handle)},
+          {"path", "path = [{ … }] of a handle", "", fields(pose)},
+          {"function", "[path] of a scene and path = { … } of a [[view]]", "", fields(function)},
+          {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
+          {"plane", "plane = { … } of a cut", "", plane_fields(plane)},
+          {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
+          {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
+          {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
+          {"fem", "fem = { … } of a [[step]]", "", fields(fem)},
+          {"modes", "modes = { … } of fem", "", fields(modes)},
+          {"fem_motion", "motion = { … } of fem", "", fields(fem_motion)},
+          {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
+          {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
+           load_fields(pressure)},
+          {"view", "[[view]]", "", fields(view)},
+          {"camera_path", "camera_path = [{ … }] of a [[view]]", "", fields(camera_key)},
+          {"film", "[film]", "", fields(film)},
+          {"event", "[[event]] of a journal", "", fields(event)},
+          {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
+          {"clip", "clip = [{ … }] of a [[view]]", "clip-", tools::fields(clip)},
+          {"light", "light = [{ … }] of a [[view]]", "", tools::fields(light)}};
 }
 
 std::string kind_of(const Field& field) {

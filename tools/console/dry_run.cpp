@@ -15,9 +15,11 @@ namespace supple::tools {
 namespace {
 
 std::size_t fixed_count(const Step& step) {
-  std::size_t points = 0;
-  for (const PointFile& file : step.fix_points) points += file.rows.size();
-  return step.fix.size() + step.fix_labels.size() + points;
+  std::size_t count = 0;
+  for (const ChosenPart& part : step.fix) {
+    count += part.placed && part.placed->points ? part.placed->points->rows.size() : 1;
+  }
+  return count;
 }
 
 void print_scene(const Scene& scene, const std::string& folder, const SceneRun& run) {
@@ -25,7 +27,7 @@ void print_scene(const Scene& scene, const std::string& folder, const SceneRun& 
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     const Step& step = scene.steps[n];
     std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
-                step.handles.size(), fixed_count(step), step.cuts.size(),
+                step.drags.size(), fixed_count(step), step.cuts.size(),
                 step.release ? ", releases" : "",
                 step.relax     ? ", relaxes"
                 : step.springs ? ", springs"

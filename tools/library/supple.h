@@ -14,7 +14,7 @@
 #pragma once
 
 #include "lib/material/material_file.h"
-#include "lib/session/handles.h"
+#include "lib/session/handles/handles.h"
 #include "lib/session/session.h"
 #include "lib/state/state_outputs.h"
 #include "tools/scene/pictures/show.h"

@@ -142,7 +142,7 @@ Value handles_json(const LiveSession& live, const HeldParts& held, const StatePa
     handles.back()["is_place"] = true;
   }
   for (std::size_t n = 0; n < held.handles.size(); ++n) {
-    const auto middle = middle_of(held.handles[n].given, state.geometry);
+    const auto middle = middle_of(held.handles[n].given(), state.geometry);
     if (!middle) continue;
     Value& handle = handles.push_back(held_json("grab", held.handles[n].keys));
     add_places(handle, *middle, state, moved);
@@ -162,7 +162,7 @@ Value anchors_json(const LiveSession& live, const HeldParts& held, const StatePa
   for (std::size_t n = 0; n < held.anchors.size(); ++n) {
     const HeldPart& part = held.anchors[n];
     Value& anchor = anchors.push_back(held_json("anchor", part.keys));
-    const auto middle = middle_of(part.given, state.geometry);
+    const auto middle = middle_of(part.given(), state.geometry);
     if (middle) add_places(anchor, *middle, state, moved);
     if (live.can_let_go_of_one()) anchor["number"] = n + 1;
   }

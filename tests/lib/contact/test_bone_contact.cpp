@@ -8,7 +8,7 @@
 
 #include "lib/contact/piece_contact.h"
 #include "lib/contact/piece_overlap.h"
-#include "lib/session/rigid_drag.h"
+#include "lib/session/handles/rigid_drag.h"
 #include "lib/session/session.h"
 #include "tests/lib/bone_fixtures.h"
 #include "tests/support/program.h"

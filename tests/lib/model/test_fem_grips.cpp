@@ -9,7 +9,7 @@
 #include "lib/fem/voxel/fem_results.h"
 #include "lib/model/fem_model.h"
 #include "lib/model/fem_motion.h"
-#include "lib/session/drag_handles.h"
+#include "lib/session/handles/drag_handles.h"
 #include "tests/lib/fem_fixtures.h"
 
 using namespace supple;

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/material/material_file.h"
-#include "lib/session/drag_handles.h"
+#include "lib/session/handles/drag_handles.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"
@@ -176,7 +176,7 @@ TEST_F(UnitHandleEdges, AnchorsOfDensitiesAreKeptByTheStateAndReleased) {
   Selection shell;
   shell.density = NumberPair(1, 150);
   Step request;
-  request.fix_selections.push_back(shell);
+  request.fix.emplace_back().selection = shell;
   request.drags.push_back({Vec3i(12, 12, 12), {30, 0, 0}});
   const double part = session.step(request).report.fraction();
   EXPECT_LT(part, 1);

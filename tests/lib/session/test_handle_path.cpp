@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/material/material_file.h"
-#include "lib/session/handle_path.h"
+#include "lib/session/handles/handle_path.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"
@@ -38,20 +38,19 @@ class PropertyHandlePath : public ::testing::Test {
     m_options.material = read_material(m_folder / "soft.toml");
   }
 
-  PlacedHandle grabbing(const Vec3d& lo, const Vec3d& hi, std::vector<PlacedPose> path) const {
-    PlacedHandle handle;
-    handle.corners = {lo, hi};
-    handle.axis = Vec3d(0, 0, 1);
-    handle.path = std::move(path);
+  Drag grabbing(const Vec3d& lo, const Vec3d& hi, std::vector<PlacedPose> path) const {
+    Drag handle;
+    handle.placed.emplace().corners = {lo, hi};
+    handle.placed->axis = Vec3d(0, 0, 1);
+    handle.placed->path = std::move(path);
     return handle;
   }
   std::unique_ptr<Session> opened() const {
     return std::make_unique<Session>(m_folder / "ball.nhdr", m_options);
   }
-  std::unique_ptr<Session> after(const std::vector<PlacedHandle>& handles,
-                                 Step request = {}) const {
+  std::unique_ptr<Session> after(const std::vector<Drag>& handles, Step request = {}) const {
     auto session = opened();
-    request.handles = handles;
+    request.drags = handles;
     session->step(request);
     return session;
   }
@@ -66,7 +65,7 @@ class PropertyHandlePath : public ::testing::Test {
                  session.body().offset(voxel, 2)) /
            kFixedOne;
   }
-  std::size_t poses(const PlacedHandle& handle) const {
+  std::size_t poses(const Drag& handle) const {
     return drags_along_paths({handle}, opened()->geometry()).front().way.size() + 1;
   }
 
@@ -81,7 +80,7 @@ const Region kPart(Vec3i(10, 10, 10), Vec3i(13, 13, 13));
 
 TEST_F(PropertyHandlePath, AStraightPathIsOneDrag) {
   for (const Easing easing : {Easing::smooth, Easing::linear, Easing::hold, Easing::spline}) {
-    const PlacedHandle path =
+    const Drag path =
         grabbing(kLow, kHigh, {shifted(0, {0, 0, 0}, easing), shifted(1, {2, -3, 1}, easing)});
     EXPECT_EQ(poses(path), 1u);
     const auto found = after({path}), expected = stepped(kPart, {{2, -3, 1}});
@@ -91,7 +90,7 @@ TEST_F(PropertyHandlePath, AStraightPathIsOneDrag) {
 }
 
 TEST_F(PropertyHandlePath, APathRoundACornerIsItsKeysAsSteps) {
-  const PlacedHandle path = grabbing(
+  const Drag path = grabbing(
       kLow, kHigh,
       {shifted(0, {0, 0, 0}), shifted(1, {5, 0, 0}), shifted(3, {5, 4, 0}), shifted(4, {0, 4, 0})});
   const auto found = after({path});
@@ -135,7 +134,7 @@ TEST_F(PropertyHandlePath, APathUnderSpringsIsItsKeysAsStepsOfSprings) {
 }
 
 TEST_F(PropertyHandlePath, AHandleThatTurnsAndComesBackLeavesTissueWhereItWasTaken) {
-  const PlacedHandle path =
+  const Drag path =
       grabbing(kLow, kHigh, {turned(0, 0), turned(1, 15), turned(2, -15), turned(3, 0)});
   const auto found = after({path});
   double most = 0;
@@ -174,12 +173,12 @@ TEST_F(PropertyHandlePath, PosesLieSoNearThatShiftsAndTurnsStayOnTheirPath) {
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 10)})), 1u);
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 45)})), 8u);
   EXPECT_EQ(poses(grabbing(kLow, kHigh, {turned(0, 0), turned(1, 720)})), 128u);
-  const PlacedHandle curve =
+  const Drag curve =
       grabbing(kLow, kHigh,
                {shifted(0, {0, 0, 0}, Easing::spline), shifted(1, {20, 0, 0}, Easing::spline),
                 shifted(2, {20, 20, 0}, Easing::spline)});
   const Geometry geometry = opened()->geometry();
-  const PosePath path = path_of(curve, geometry);
+  const PosePath path = path_of(*curve.placed, geometry);
   std::vector<Vec3d> corners = {{0, 0, 0}};
   const Drag drag = drags_along_paths({curve}, geometry).front();
   for (const DragPose& pose : drag.way) corners.push_back(pose.by_mm);
@@ -208,26 +207,26 @@ TEST_F(PropertyHandlePath, WhatAnchorsStopComesBackToItsPath) {
 }
 
 TEST_F(PropertyHandlePath, EdgesAndToolsFollowToo) {
-  PlacedHandle soft;
-  soft.ball = Vec3d(12, 12, 12);
-  soft.radius_mm = 2.5;
+  Drag soft;
+  soft.placed.emplace().ball = Vec3d(12, 12, 12);
+  soft.placed->radius_mm = 2.5;
   soft.soft_mm = 5;
-  soft.path = {shifted(1, {0, 1, 0}), shifted(2, {0, 2, 0}), shifted(3, {0, 3, 0})};
-  PlacedHandle once = soft;
-  once.path = {shifted(3, {0, 3, 0})};
+  soft.placed->path = {shifted(1, {0, 1, 0}), shifted(2, {0, 2, 0}), shifted(3, {0, 3, 0})};
+  Drag once = soft;
+  once.placed->path = {shifted(3, {0, 3, 0})};
   EXPECT_EQ(after({soft})->body().q, after({once})->body().q);
 
-  PlacedHandle tool = grabbing(kLow, kHigh, {shifted(1, {4, 0, 0}), shifted(2, {-1, 0, 0})});
-  tool.push = true;
+  Drag tool = grabbing(kLow, kHigh, {shifted(1, {4, 0, 0}), shifted(2, {-1, 0, 0})});
+  tool.pushes = true;
   const auto pushed = after({tool});
   EXPECT_EQ(moved(*pushed, {11, 11, 11}), Vec3d(4, 0, 0));
 
   // Tissue that another handle pulls ahead of the tool does not take the tool along.
-  PlacedHandle ahead;
-  ahead.corners = {Vec3d(20, 11, 11), Vec3d(20, 11, 11)};
-  ahead.by = Vec3d(3, 0, 0);
-  tool.path = {shifted(1, {0.1, 0.5, 0}), shifted(2, {0.5, 0.5, 0}), shifted(3, {0.5, 0, 0}),
-               shifted(4, {2, 0, 0})};
+  Drag ahead;
+  ahead.placed.emplace().corners = {Vec3d(20, 11, 11), Vec3d(20, 11, 11)};
+  ahead.placed->by = Vec3d(3, 0, 0);
+  tool.placed->path = {shifted(1, {0.1, 0.5, 0}), shifted(2, {0.5, 0.5, 0}),
+                       shifted(3, {0.5, 0, 0}), shifted(4, {2, 0, 0})};
   const auto met = after({tool, ahead});
   EXPECT_EQ(moved(*met, {13, 11, 11}).x, 2);
 }
@@ -237,11 +236,11 @@ TEST_F(PropertyHandlePath, AnEdgeTurnsBackWithItsHandle) {
       "domain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 2.5]]\nmin_length = [[0, 0.1]]\n"
       "shear = [[0, 1.5]]\n",
       "test");
-  PlacedHandle soft;
-  soft.ball = Vec3d(12, 12, 12);
-  soft.radius_mm = 2.5;
+  Drag soft;
+  soft.placed.emplace().ball = Vec3d(12, 12, 12);
+  soft.placed->radius_mm = 2.5;
   soft.soft_mm = 5;
-  soft.path = {shifted(1, {0, 3, 0}), shifted(2, {0, -3, 0})};
+  soft.placed->path = {shifted(1, {0, 3, 0}), shifted(2, {0, -3, 0})};
   const auto found = after({soft});
   EXPECT_EQ(moved(*found, {12, 12, 12}).y, -3);
   const double t = 0.5;  // of the edge's width, at 5 mm from the middle
@@ -249,9 +248,9 @@ TEST_F(PropertyHandlePath, AnEdgeTurnsBackWithItsHandle) {
 }
 
 TEST_F(PropertyHandlePath, HandlesWithoutPathAreWhereTheyGoFromTheFirstPoseOn) {
-  PlacedHandle plain;
-  plain.corners = {Vec3d(11, 11, 4), Vec3d(11, 11, 4)};
-  plain.by = Vec3d(0, 0, -1);
+  Drag plain;
+  plain.placed.emplace().corners = {Vec3d(11, 11, 4), Vec3d(11, 11, 4)};
+  plain.placed->by = Vec3d(0, 0, -1);
   const auto found =
       after({plain, grabbing(kLow, kHigh, {shifted(1, {1, 0, 0}), shifted(2, {1, 1, 0})})});
   auto expected = opened();
@@ -274,8 +273,8 @@ TEST_F(PropertyHandlePath, ARigidPieceOnAPathKeepsItsShapeAndMeetsItsEnd) {
   path[1].by = Vec3d(1, 0.5, 0);
   Step rigid;
   rigid.rigid.parts.emplace_back().placed.emplace().corners = {kLow, kHigh};
-  PlacedHandle handle = grabbing(kLow, kHigh, path);
-  handle.about = Vec3d(11, 11, 11);
+  Drag handle = grabbing(kLow, kHigh, path);
+  handle.placed->about = Vec3d(11, 11, 11);
   const auto found = after({handle}, rigid);
   EXPECT_EQ(found->records().back().report.fraction(), 1);
   const Turn turn = turn_about(lps_of({0, 0, 1}, PlaceFrame::voxel, geometry), 12);
@@ -289,10 +288,9 @@ TEST_F(PropertyHandlePath, ARigidPieceOnAPathKeepsItsShapeAndMeetsItsEnd) {
 }
 
 TEST_F(PropertyHandlePath, APathThatCannotBeFollowedNamesThePose) {
-  PlacedHandle left =
-      grabbing({10, 11, 11}, {10, 11, 11},
-               {shifted(1, {0, 0, 0}), shifted(2, {0, 0.5, 0}), shifted(3, {-9, 0.5, 0})});
-  PlacedHandle right = grabbing({13, 11, 11}, {13, 11, 11}, {shifted(1, {0, 0, 0})});
+  Drag left = grabbing({10, 11, 11}, {10, 11, 11},
+                       {shifted(1, {0, 0, 0}), shifted(2, {0, 0.5, 0}), shifted(3, {-9, 0.5, 0})});
+  Drag right = grabbing({13, 11, 11}, {13, 11, 11}, {shifted(1, {0, 0, 0})});
   auto session = opened();
   Step request;
   request.drags = drags_along_paths({left, right}, session->geometry());

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/cut.h"
-#include "lib/session/selection.h"
+#include "lib/session/handles/selection.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/errors.h"
 #include "volumes/base/json.h"

@@ -258,7 +258,7 @@ TEST_F(UnitSession, PlacesOfAStepAreTheSameInEveryFrameAndOnTheGrid) {
   plain.fix.push_back(anchor);
   Selection gone;
   gone.box = IndexBox{{12, 12, 4}, {12, 12, 5}};
-  plain.remove.push_back({"", 0, gone});
+  plain.remove.emplace_back().selection = gone;
   gridded.step(plain);
   const Geometry& geometry = gridded.geometry();
   for (const PlaceFrame frame : {PlaceFrame::voxel, PlaceFrame::lps, PlaceFrame::ras}) {
@@ -273,10 +273,10 @@ TEST_F(UnitSession, PlacesOfAStepAreTheSameInEveryFrameAndOnTheGrid) {
     };
     Step step;
     step.place = "a.toml:7";
-    take({kGrabbed, kGrabbed}, step.handles.emplace_back());
-    step.handles.back().by_lps_mm =
+    take({kGrabbed, kGrabbed}, step.drags.emplace_back().placed.emplace());
+    step.drags.back().placed->by_lps_mm =
         geometry.world_vector_from_index(Vec3d(1, -0.5, 2) / geometry.spacing_mm());
-    take(anchor, step.anchors.emplace_back());
+    take(anchor, step.fix.emplace_back().placed.emplace());
     take({{12, 12, 4}, {12, 12, 5}}, step.remove.emplace_back().placed.emplace());
     Session session(m_ball, m_options);
     session.check(step);
@@ -285,8 +285,9 @@ TEST_F(UnitSession, PlacesOfAStepAreTheSameInEveryFrameAndOnTheGrid) {
     EXPECT_EQ(session.state().q, gridded.state().q);
     EXPECT_EQ(session.state().anchors, gridded.state().anchors);
     EXPECT_EQ(record.removed, 2);
-    EXPECT_TRUE(record.handles.empty()) << "a record is on the grid";
-    step.handles.back().corners = {placed({0, 0, 0}), placed({0, 0, 0})};
+    EXPECT_FALSE(record.drags.front().placed || record.fix.front().placed)
+        << "a record is on the grid";
+    step.drags.back().placed->corners = {placed({0, 0, 0}), placed({0, 0, 0})};
     try {
       session.step(step);
       ADD_FAILURE() << "a voxel in the air";

@@ -202,7 +202,7 @@ void print_deform(const Session& session, const Step& step,
     print_springs(record.sprung);
   } else if (record.fem) {
     print_fem(record.equilibrium);
-  } else if (!step.handles.empty()) {
+  } else if (!step.drags.empty()) {
     print_solve(record);
   }
   if (record.relax) print_relaxation(record);

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "lib/material/material_file.h"
-#include "lib/session/handles.h"
+#include "lib/session/handles/handles.h"
 #include "lib/session/session.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"

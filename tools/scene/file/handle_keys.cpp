@@ -82,18 +82,19 @@ void read_selection(Table& table, const LabelNames& names, PlacedSelection& give
   }
 }
 
-void check_turn(const Table& table, const PlacedHandle& handle) {
+void check_turn(const Table& table, const Drag& drag) {
+  const PlacedHandle& handle = *drag.placed;
   const bool scales = handle.scale || handle.scale_axes;
   if (handle.scale && handle.scale_axes) table.fail("scale", "scale and scale_axes", "one of both");
   if (handle.rotate_deg && !handle.axis) table.fail_missing("axis", "the direction [x, y, z]");
-  if (handle.axis && !handle.rotate_deg && !handle.is_animated()) {
+  if (handle.axis && !handle.rotate_deg && !drag.is_animated()) {
     table.fail("axis", "an axis without rotate", "both");
   }
   if (handle.axis && *handle.axis == Vec3d(0)) table.fail("axis", "[0, 0, 0]", "a direction");
-  if (handle.about && !handle.rotate_deg && !scales && !handle.is_animated()) {
+  if (handle.about && !handle.rotate_deg && !scales && !drag.is_animated()) {
     table.fail("about", "a point without rotate or scale", "one of both");
   }
-  if (handle.soft_mm > 0 &&
+  if (drag.soft_mm > 0 &&
       (handle.piece_at || !(handle.corners || handle.ball || handle.at_lps_mm))) {
     table.fail("soft", "an edge of something else", "an edge of a voxel, box or ball");
   }
@@ -114,7 +115,8 @@ PlacedPose read_pose(Table& table) {
   return pose;
 }
 
-void read_poses(Table& table, PlacedHandle& handle) {
+void read_poses(Table& table, Drag& drag) {
+  PlacedHandle& handle = *drag.placed;
   bool has_axis = handle.axis.has_value(), turns = false;
   for (Table& pose : table.tables("path")) {
     handle.path.push_back(read_pose(pose));
@@ -122,8 +124,8 @@ void read_poses(Table& table, PlacedHandle& handle) {
     turns = turns || handle.path.back().rotate_deg;
     require_later(pose, handle.path);
   }
-  if (!handle.is_animated()) return;
-  if (handle.slides) table.fail("slide", "slide beside path", "a shift, or a path that stops");
+  if (!drag.is_animated()) return;
+  if (drag.slides) table.fail("slide", "slide beside path", "a shift, or a path that stops");
   for (const char* key : {"by", "by_mm_lps", "scale", "scale_axes", "rotate"}) {
     if (table.has(key)) table.fail(key, std::string(key) + " beside path", "it in the path's keys");
   }
@@ -171,31 +173,32 @@ std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
 }
 
 bool has_handle(Table& table) {
-  PlacedHandle handle;
+  Drag handle;
   bool found = false;
   for (const char* key : kOtherKeys) found = table.has(key) || found;
-  for (const Field& field : fields(static_cast<PlacedSelection&>(handle))) {
+  for (const Field& field : fields(handle.placed.emplace())) {
     found = table.has(field.name()) || found;
   }
-  for (const Field& field : fields(static_cast<PlacedMotion&>(handle))) {
+  for (const Field& field : fields(handle)) {
     found = table.has(field.name()) || found;
   }
   return found;
 }
 
-PlacedHandle read_handle(Table& table, const LabelNames& names) {
-  PlacedHandle handle;
+Drag read_handle(Table& table, const LabelNames& names) {
+  Drag drag;
+  PlacedHandle& handle = drag.placed.emplace();
   table.know(kOtherKeys);
   table.know({"by", "by_mm_lps"});
   has_handle(table);
   read_selection(table, names, handle);
-  table.read(fields(static_cast<PlacedMotion&>(handle)));
-  read_poses(table, handle);
-  check_turn(table, handle);
-  if (handle.is_animated()) return handle;
+  table.read(fields(drag));
+  read_poses(table, drag);
+  check_turn(table, drag);
+  if (drag.is_animated()) return drag;
   const bool is_posed = handle.rotate_deg || handle.scale || handle.scale_axes;
   if (handle.points && handle.points->has_displacements) {
-    if (!handle.by && !handle.by_lps_mm && !is_posed) return handle;
+    if (!handle.by && !handle.by_lps_mm && !is_posed) return drag;
     table.fail(handle.by           ? "by"
                : handle.by_lps_mm  ? "by_mm_lps"
                : handle.rotate_deg ? "rotate"
@@ -208,7 +211,7 @@ PlacedHandle read_handle(Table& table, const LabelNames& names) {
   if (!handle.by && !handle.by_lps_mm && !is_posed) {
     table.fail_missing("by", "by = [x, y, z], by_mm_lps, rotate, scale or path");
   }
-  return handle;
+  return drag;
 }
 
 PlacedSelection read_anchor(Table& table, const LabelNames& names) {

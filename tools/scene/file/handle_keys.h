@@ -23,7 +23,7 @@ std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
 /// True if the table has a key of a handle: the short form of a step.
 bool has_handle(Table& table);
 /// Throws InputError unless it grabs one thing and says how that moves.
-PlacedHandle read_handle(Table& table, const LabelNames& names);
+Drag read_handle(Table& table, const LabelNames& names);
 /// Reads the keys of a selection, as of handles.
 PlacedSelection read_anchor(Table& table, const LabelNames& names);
 /// Reads those keys with labels, and a name of its own.

@@ -43,12 +43,12 @@ Value other_keys(const Table& table, const Fields& own) {
 }
 
 void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
-  PlacedHandle& handle = event.step.handles.emplace_back();
-  static_cast<PlacedSelection&>(handle) = read_anchor(table, names);
+  Drag& handle = event.step.drags.emplace_back();
+  static_cast<PlacedSelection&>(handle.placed.emplace()) = read_anchor(table, names);
   handle.soft_mm = table.number("soft").value_or(0);
   handle.spares_fixed = table.boolean("spare_fixed").value_or(false);
   handle.slides = table.boolean("slide").value_or(false);
-  handle.push = event.kind == EventKind::push;
+  handle.pushes = event.kind == EventKind::push;
 }
 
 void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
@@ -86,7 +86,7 @@ void read_keys(Table& table, const LabelNames& names, LiveEvent& event) {
       table.require(table.vector("to"), "to", "[x, y, z] in mm");
       return;
     case EventKind::anchor:
-      event.step.anchors.push_back(read_anchor(table, names));
+      event.step.fix.emplace_back().placed = read_anchor(table, names);
       return;
     case EventKind::cut:
       event.step.cuts.push_back(read_cut(table, names));

@@ -71,11 +71,11 @@ Step read_step(Table& table, const LabelNames& names) {
   Step step;
   step.place = table.place();
   for (Table& handle : table.tables("handles")) {
-    step.handles.push_back(read_handle(handle, names));
+    step.drags.push_back(read_handle(handle, names));
     handle.finish();
   }
   const bool is_short = has_handle(table);
-  if (is_short && !step.handles.empty()) {
+  if (is_short && !step.drags.empty()) {
     table.fail("grab", "grab beside handles", "either the short form or handles");
   }
   const auto rows = table.rows("fix", {3, 6}, "a list of [i, j, k] or [i0, j0, k0, i1, j1, k1]");
@@ -83,18 +83,20 @@ Step read_step(Table& table, const LabelNames& names) {
     for (const auto& row : *rows) step.fix.push_back(to_box(table, "fix", row));
   }
   for (const std::string& path : table.paths("fix_points")) {
-    step.fix_points.push_back(read_point_file(path));
+    step.fix.emplace_back().placed.emplace().points = read_point_file(path);
+  }
+  for (const std::int32_t label : read_labels(table, "fix_label", names)) {
+    step.fix.emplace_back().label = label;
   }
   for (Table& anchor : table.table_or_tables("anchors")) {
-    step.anchors.push_back(read_anchor(anchor, names));
+    step.fix.emplace_back().placed = read_anchor(anchor, names);
     anchor.finish();
   }
-  step.fix_labels = read_labels(table, "fix_label", names);
   read_parts(table, names, step);
   StepKeys keys;
   table.read(fields(step, keys));
   if (keys.fix_density) {
-    PlacedSelection& bone = step.anchors.emplace_back();
+    PlacedSelection& bone = step.fix.emplace_back().placed.emplace();
     bone.place = table.place("fix_density");
     bone.density = keys.fix_density;
   }
@@ -117,7 +119,7 @@ Step read_step(Table& table, const LabelNames& names) {
     step.material = read_material_choice(*material, names);
   }
   table.finish();
-  if (is_short) step.handles.push_back(read_handle(table, names));
+  if (is_short) step.drags.push_back(read_handle(table, names));
   if (step.does_nothing()) {
     table.fail("", "a step that does nothing",
                "grab, handles, fix, fix_label, fix_points, cut, remove, rigid, retract, relax, "
@@ -193,8 +195,8 @@ void read_film(Table& table, Scene& scene) {
   table.finish();
   const bool has_frames = film.frames > 0;
   for (const Step& step : scene.steps) {
-    for (const PlacedHandle& handle : step.handles) {
-      if (handle.is_animated()) stretch(film, has_frames, handle.path.back().time);
+    for (const Drag& handle : step.drags) {
+      if (handle.is_animated()) stretch(film, has_frames, handle.placed->path.back().time);
     }
   }
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {

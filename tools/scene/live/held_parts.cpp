@@ -23,7 +23,7 @@ Value selection_keys(const Value& all) {
 
 HeldPart anchor_of(const PlacedSelection& given, const Value& keys) {
   HeldPart part;
-  static_cast<PlacedSelection&>(part.given) = given;
+  static_cast<PlacedSelection&>(part.held.placed.emplace()) = given;
   part.keys = keys;
   return part;
 }
@@ -35,15 +35,12 @@ HeldPart anchor_of(const IndexBox& box) {
 }
 
 /// Returns the part as it is held, without what moved it.
-HeldPart handle_of(const PlacedHandle& moved, const Value& keys) {
-  HeldPart part;
-  static_cast<PlacedSelection&>(part.given) = moved;
-  part.given.by = Vec3d(0);
-  part.given.soft_mm = moved.soft_mm;
-  part.given.push = moved.push;
-  part.given.spares_fixed = moved.spares_fixed;
-  part.given.slides = moved.slides;
-  part.keys = selection_keys(keys);
+HeldPart handle_of(const Drag& moved, const Value& keys) {
+  HeldPart part = anchor_of(*moved.placed, selection_keys(keys));
+  PlacedHandle still = std::move(*part.held.placed);
+  still.by = Vec3d(0);
+  part.held = moved;
+  part.held.placed = std::move(still);
   return part;
 }
 
@@ -51,17 +48,21 @@ void add_parts(const LiveSession::DoneStep& done, HeldParts& parts) {
   const Step& step = done.step;
   const Value& keys = done.keys;
   if (step.release) parts = {};
-  for (std::size_t n = 0; n < step.handles.size(); ++n) {
+  for (std::size_t n = 0; n < step.drags.size(); ++n) {
     parts.handles.push_back(
-        handle_of(step.handles[n], keys.contains("handles") ? keys["handles"].at(n) : keys));
+        handle_of(step.drags[n], keys.contains("handles") ? keys["handles"].at(n) : keys));
   }
   const Value& anchors = keys["anchors"];
-  for (std::size_t n = 0; n < step.anchors.size(); ++n) {
-    parts.anchors.push_back(
-        anchor_of(step.anchors[n], anchors.is_list() ? anchors.at(n) : anchors));
+  std::size_t n = 0;
+  for (const ChosenPart& part : step.fix) {
+    const bool is_of_points = part.placed && part.placed->points;
+    parts.has_others = parts.has_others || part.label != 0 || is_of_points;
+    if (!part.placed || is_of_points) continue;
+    parts.anchors.push_back(anchor_of(*part.placed, anchors.is_list() ? anchors.at(n++) : anchors));
   }
-  for (const IndexBox& box : step.fix) parts.anchors.push_back(anchor_of(box));
-  parts.has_others = parts.has_others || !step.fix_labels.empty() || !step.fix_points.empty();
+  for (const ChosenPart& part : step.fix) {
+    if (const IndexBox* box = part.box()) parts.anchors.push_back(anchor_of(*box));
+  }
 }
 
 }  // namespace
@@ -82,11 +83,11 @@ Step step_that_keeps(const HeldParts& parts, Value& keys) {
   step.release = step.no_relax = true;
   keys = {{"release", true}, {"no_relax", true}};
   for (const HeldPart& part : parts.handles) {
-    step.handles.push_back(part.given);
+    step.drags.push_back(part.held);
     keys["handles"].push_back(part.keys)["by"] = {0, 0, 0};
   }
   for (const HeldPart& part : parts.anchors) {
-    step.anchors.push_back(part.given);
+    step.fix.emplace_back().placed = part.given();
     keys["anchors"].push_back(part.keys);
   }
   return step;

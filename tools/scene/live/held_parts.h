@@ -7,8 +7,10 @@
 namespace supple::tools {
 
 struct HeldPart {
-  PlacedHandle given;  // of an anchor its selection alone
-  Value keys;          // those of its selection, and how soft a handle is
+  Drag held;   // of an anchor its selection alone
+  Value keys;  // those of its selection, and how soft a handle is
+
+  const PlacedSelection& given() const { return *held.placed; }
 };
 
 struct HeldParts {

@@ -8,7 +8,7 @@ namespace supple::tools {
 /// relaxation is as many as it had slices, and what settles drags is a step of its own.
 int LiveSession::stroke_of(EventKind kind, const Step& step) {
   const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
-  const bool settles = step.turn_pieces || (step.fem && step.handles.empty());
+  const bool settles = step.turn_pieces || (step.fem && step.drags.empty());
   if (settles && !m_done.empty() && m_done.back().kind == EventKind::drag) {
     return m_done.back().stroke;
   }

@@ -108,7 +108,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
     case EventKind::grab:
     case EventKind::push: {
       Step asked = event.step;
-      asked.handles.front().by = Vec3d(0);
+      asked.drags.front().placed->by = Vec3d(0);
       check_places(asked, m_session->geometry());
       m_session->check(asked);
       m_grab = event;
@@ -163,8 +163,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   if (by == Vec3d(0)) return;
   Step step;
   step.place = event.place;
-  step.handles = m_grab->step.handles;
-  step.handles.front().by = by;
+  step.drags = m_grab->step.drags;
+  step.drags.front().placed->by = by;
   step.no_relax = true;
   step.shift_pieces = !m_session->body().rigid.empty() && model() != StepModel::springs;
   if (model() == StepModel::springs) {
@@ -175,7 +175,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   check_places(step, m_session->geometry());
   Value handle = m_grab->keys;
   handle["by"] = by;
-  if (step.handles.front().push) handle["push"] = true;
+  if (step.drags.front().pushes) handle["push"] = true;
   Value keys = {{"handles", Value::List{handle}}, {"no_relax", true}};
   if (step.shift_pieces) keys["shift_pieces"] = true;
   if (step.springs) {

@@ -33,8 +33,8 @@ const Value& first_handle(const Value& keys) {
 }
 
 std::string drag_text(const LiveSession::DoneStep& first, const Vec3d& way) {
-  const bool is_push = first.step.handles.front().push;
-  const std::size_t handles = first.step.handles.size();
+  const bool is_push = first.step.drags.front().pushes;
+  const std::size_t handles = first.step.drags.size();
   std::string text = std::string(is_push ? "push " : "drag ") + mm_text(std::sqrt(way.dot(way)));
   if (handles > 1) return text + ", " + std::to_string(handles) + " handles";
   text += " at " + place_text(first_handle(first.keys));
@@ -53,7 +53,7 @@ std::string cut_text(const LiveSession::DoneStep& done) {
 }
 
 std::string release_text(const Step& step) {
-  const std::size_t kept = step.handles.size() + step.anchors.size();
+  const std::size_t kept = step.drags.size() + step.fix.size();
   return kept == 0 ? "let go of everything" : "let go of one, " + std::to_string(kept) + " stay";
 }
 
@@ -76,7 +76,9 @@ std::string scene_step_text(const LiveSession::DoneStep& done) {
   const Step& step = done.step;
   if (step.release) return release_text(step);
   if (!step.cuts.empty()) return cut_text(done);
-  if (!step.handles.empty()) return drag_text(done, step.handles.front().by.value_or(Vec3d(0)));
+  if (!step.drags.empty()) {
+    return drag_text(done, step.drags.front().placed->by.value_or(Vec3d(0)));
+  }
   if (!step.remove.empty()) return "parts removed";
   if (!step.retract.empty()) return "wound opened";
   if (step.fem) return "finite elements";
@@ -85,9 +87,7 @@ std::string scene_step_text(const LiveSession::DoneStep& done) {
   if (!step.rigid.empty() || step.rigid.joint_mm > 0) {
     return "rigid pieces";
   }
-  if (!step.anchors.empty() || !step.fix.empty() || !step.fix_labels.empty()) {
-    return anchor_text(done);
-  }
+  if (!step.fix.empty()) return anchor_text(done);
   if (step.material) return "material";
   return step.relax ? "relaxation" : "step";
 }

@@ -61,7 +61,9 @@ double element_count(const Session& session) {
 SlotSet fixed_elements(const Step& request, const Session& session) {
   const Body& body = session.body();
   SlotSet fixed;
-  for (const IndexBox& box : request.fix) fixed.add(elements_of(body, Region(box), "fix"));
+  for (const ChosenPart& part : request.fix) {
+    if (const IndexBox* box = part.box()) fixed.add(elements_of(body, Region(*box), "fix"));
+  }
   SlotSet all = fixed;
   for (const RigidPiece& piece : body.rigid.list) {
     Slot slot;

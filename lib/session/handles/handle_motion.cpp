@@ -1,4 +1,4 @@
-#include "lib/session/handle_motion.h"
+#include "lib/session/handles/handle_motion.h"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
-#include "lib/session/rigid_drag.h"
+#include "lib/session/handles/rigid_drag.h"
 
 #include <cmath>
 #include <cstdlib>
 #include <map>
 
-#include "lib/session/drag_handles.h"
-#include "lib/session/handle_motion.h"
+#include "lib/session/handles/drag_handles.h"
+#include "lib/session/handles/handle_motion.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
@@ -88,7 +88,7 @@ std::vector<PieceMotion> motions_of_pieces(const Body& body, const std::vector<D
   if (body.rigid.empty()) return motions;
   std::map<int, std::vector<Grip>> grips;
   for (std::size_t n = 0; n < drags.size(); ++n) {
-    if (drags[n].kind == HandleKind::push) continue;
+    if (drags[n].pushes) continue;
     const SlotSet grabbed = elements_of(body, regions[n], "grab");
     std::map<int, std::vector<Slot>> touched;
     grabbed.for_each([&](Slot slot) {

@@ -36,22 +36,6 @@ struct PlacedSelection {
 /// The keys whose values are numbers alone.
 Fields fields(PlacedSelection& given);
 
-/// Motion of a handle by one of by_mm and by_lps_mm, or a turn or a scale, unless the points have
-/// displacements of their own.
-struct PlacedMotion {
-  std::optional<Vec3d> by;  // mm along the directions of the frame
-  std::optional<Vec3d> by_lps_mm;
-  std::optional<double> rotate_deg;
-  std::optional<Vec3d> axis, about;  // of the frame
-  std::optional<double> scale;
-  std::optional<Vec3d> scale_axes;  // per axis of the frame
-  double soft_mm = 0;
-  bool push = false;
-  bool spares_fixed = false;
-  bool slides = false;
-};
-Fields fields(PlacedMotion& given);
-
 /// One key of a handle's path: its shift, turn and scale count from the start of the path; absent
 /// ones are interpolated from the other keys.
 struct PlacedPose {
@@ -68,10 +52,16 @@ Fields fields(PlacedPose& given);
 /// `time` and `easing` of a key of any path, of handles or cameras.
 Fields key_fields(double& time, Easing& easing);
 
-struct PlacedHandle : PlacedSelection, PlacedMotion {
-  std::vector<PlacedPose> path;  // instead of a shift, turn and scale; times ascend
-
-  bool is_animated() const { return !path.empty(); }
+/// A handle that moves by one of by and by_lps_mm, or a turn or a scale, or along a path, unless
+/// its points have displacements of their own.
+struct PlacedHandle : PlacedSelection {
+  std::optional<Vec3d> by;  // mm along the directions of the frame
+  std::optional<Vec3d> by_lps_mm;
+  std::optional<double> rotate_deg;
+  std::optional<Vec3d> axis, about;  // of the frame
+  std::optional<double> scale;
+  std::optional<Vec3d> scale_axes;  // per axis of the frame
+  std::vector<PlacedPose> path;     // times ascend
 };
 
 }  // namespace supple

@@ -1,11 +1,10 @@
-#include "lib/session/handle_places.h"
+#include "lib/session/handles/handle_places.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
-#include "lib/session/handles.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 #include "volumes/io/load/values_at.h"
@@ -64,52 +63,6 @@ void require_element(const Region& region, const std::string& role, const Body& 
                     density_text(*density, material) + " the elements' " +
                         number_text(material.active_lo) + " to " + number_text(material.active_hi),
                     "a voxel of the body; " + nearest_text(body, box->lo)});
-}
-
-namespace {
-
-/// A hint where the voxel would lie inside, were it a place in LPS mm.
-std::string as_millimetres(const Vec3i& voxel, const Geometry& geometry) {
-  const Vec3d index = geometry.index_from_world(Vec3d(voxel));
-  Vec3i nearest;
-  for (int a = 0; a < 3; ++a) {
-    if (!(index[a] >= -0.5 && index[a] < geometry.dims()[a] - 0.5)) return "";
-    nearest[a] = int(std::lround(index[a]));
-  }
-  return "; as LPS mm it is voxel " + to_text(nearest);
-}
-
-void require_meets_volume(const IndexBox& box, const std::string& place, const std::string& field,
-                          const Geometry& geometry) {
-  const Vec3i& dims = geometry.dims();
-  bool outside = false;
-  for (int a = 0; a < 3; ++a) outside = outside || box.hi[a] < 0 || box.lo[a] >= dims[a];
-  if (!outside) return;
-  const bool single = box.lo == box.hi;
-  throw InputError(
-      {place, field, to_text(box.lo) + (single ? "" : ":" + to_text(box.hi)),
-       std::string(single ? "a voxel of the volume, " : "a box that meets the volume, ") +
-           to_text(dims) + as_millimetres(box.lo, geometry)});
-}
-
-}  // namespace
-
-void check_places(const Step& step, const Geometry& geometry) {
-  for (const PlacedHandle& handle : step.handles) {
-    const auto box = box_of(handle, geometry);
-    if (box) require_meets_volume(*box, step.place, "grab", geometry);
-    if ((step.springs || step.fem) && handle.push) {
-      throw InputError({step.place, "push",
-                        std::string("a push handle beside ") + (step.fem ? "fem" : "springs"),
-                        "handles that hold what they grab"});
-    }
-  }
-  for (const IndexBox& box : step.fix) {
-    require_meets_volume(box, step.place, "fix", geometry);
-  }
-  for (const Drag& drag : on_grid(step, geometry).drags) {
-    fixed_from_mm(drag.by_mm, geometry.spacing_mm());
-  }
 }
 
 }  // namespace supple

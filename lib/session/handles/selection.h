@@ -6,7 +6,7 @@
 #include <string>
 
 #include "lib/body/region.h"
-#include "lib/session/placed_handle.h"
+#include "lib/session/handles/placed_handle.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/value.h"
 
@@ -38,12 +38,18 @@ double beyond_ball_mm(const Selection& selection, const Geometry& geometry, cons
 
 /// All elements of a label or of a selection, connected or not, under a name.
 struct ChosenPart {
+  ChosenPart() = default;
+  ChosenPart(const IndexBox& box) { selection.emplace().box = box; }
+  ChosenPart(const Vec3i& lo, const Vec3i& hi) : ChosenPart(IndexBox{lo, hi}) {}
+
   std::string name;  // empty: as the selection
   std::int32_t label = 0;
   std::optional<Selection> selection = {};
   std::optional<PlacedSelection> placed = {};  // label and selection before they are on the grid
 
   std::string title() const;
+  /// The box where it alone is selected; else null.
+  const IndexBox* box() const;
 };
 
 /// Throws InputError, named `role`, as region_of(), and for a label that no element has.

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lib/session/rigid_drag.h"
+#include "lib/session/handles/rigid_drag.h"
 
 namespace supple {
 

@@ -1,21 +1,16 @@
-// Handles, anchors and parts of a step on the grid of a volume.
+// Places of handles, anchors and parts on the grid of a volume.
 #pragma once
 
 #include <limits>
 #include <optional>
 #include <vector>
 
-#include "lib/session/step.h"
+#include "lib/session/handles/drag.h"
 
 namespace supple {
 
 /// Handles follow their paths from the first key to the last.
 constexpr double kWholePaths = std::numeric_limits<double>::infinity();
-
-/// The step with everything that is placed (handles, anchors, points, parts) on the grid. Handles
-/// that have a path are at their poses at `time`, where a film takes them at once. Throws
-/// InputError for places outside the volume and for displacements beyond the range.
-Step on_grid(const Step& step, const Geometry& geometry, double time = kWholePaths);
 
 Vec3d index_of(const Vec3d& place, PlaceFrame frame, const Geometry& geometry);
 /// Turns a vector in mm from the frame into LPS.
@@ -31,9 +26,12 @@ Selection to_selection(const PlacedSelection& given, const Geometry& geometry);
 PosePath path_of(const PlacedHandle& given, const Geometry& geometry);
 
 /// The handle on a grid: one drag, or one per point with a displacement of its own. A handle that
-/// follows a path is taken at its pose at `time`. Throws InputError for places outside the volume
-/// and for displacements beyond the range.
-std::vector<Drag> to_drags(const PlacedHandle& given, const Geometry& geometry, double time);
+/// follows a path is taken at its pose at `time`. Throws InputError for places outside the volume.
+std::vector<Drag> to_drags(const Drag& handle, const Geometry& geometry, double time = kWholePaths);
+/// The part on a grid. Throws InputError for places outside the volume.
+ChosenPart on_grid(ChosenPart part, const Geometry& geometry);
+/// The voxels of points. Throws InputError for one outside the volume.
+std::vector<Vec3i> voxels_of(const PointFile& points, const Geometry& geometry);
 
 /// Throws InputError with the line of the first point that lies outside the body, and how far.
 void require_in_body(const PointFile& points, const Body& body);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "lib/chainmail/ecm.h"
-#include "lib/session/selection.h"
+#include "lib/session/handles/selection.h"
 
 namespace supple {
 

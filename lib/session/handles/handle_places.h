@@ -11,8 +11,6 @@
 
 namespace supple {
 
-struct Step;
-
 /// The elements of one handle, at rest.
 struct HandlePlace {
   std::string name;  // of its region
@@ -35,9 +33,5 @@ struct DensitySource {
 /// are elements. Cost where it throws: reading the file up to the voxel's slice.
 void require_element(const Region& region, const std::string& role, const Body& body,
                      const State& state, const DensitySource& source);
-
-/// Throws InputError, naming the step's place, for handles and fixed boxes outside of the volume
-/// and for handles that its model does not have. Elements are known only to a session.
-void check_places(const Step& step, const Geometry& geometry);
 
 }  // namespace supple

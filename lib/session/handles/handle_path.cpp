@@ -1,8 +1,7 @@
-#include "lib/session/handle_path.h"
+#include "lib/session/handles/handle_path.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "volumes/base/units.h"
 
@@ -19,12 +18,12 @@ constexpr int kMostHalvings = 12;
 /// The paths of all handles of a step.
 class JointPath {
  public:
-  JointPath(const std::vector<PlacedHandle>& handles, const Geometry& geometry)
+  JointPath(const std::vector<Drag>& handles, const Geometry& geometry)
       : m_spacing_mm(geometry.spacing_mm()) {
-    for (const PlacedHandle& handle : handles) {
+    for (const Drag& handle : handles) {
       if (!handle.is_animated()) continue;
-      m_paths.push_back(path_of(handle, geometry));
-      for (const PlacedPose& pose : handle.path) m_times.push_back(pose.time);
+      m_paths.push_back(path_of(*handle.placed, geometry));
+      for (const PlacedPose& pose : handle.placed->path) m_times.push_back(pose.time);
     }
     std::sort(m_times.begin(), m_times.end());
     m_times.erase(std::unique(m_times.begin(), m_times.end()), m_times.end());
@@ -134,14 +133,13 @@ DragPose pose_of(const PathPose& pose, HandleMotion motion) {
   return {pose.shift_mm, motion};
 }
 
-std::vector<Drag> drags_along_paths(const std::vector<PlacedHandle>& handles,
-                                    const Geometry& geometry) {
+std::vector<Drag> drags_along_paths(const std::vector<Drag>& handles, const Geometry& geometry) {
   const std::vector<double> times = JointPath(handles, geometry).times();
   std::vector<Drag> drags;
-  for (const PlacedHandle& handle : handles) {
-    std::vector<Drag> own = to_drags(handle, geometry, std::numeric_limits<double>::infinity());
+  for (const Drag& handle : handles) {
+    std::vector<Drag> own = to_drags(handle, geometry);
     if (handle.is_animated()) {
-      const PosePath path = path_of(handle, geometry);
+      const PosePath path = path_of(*handle.placed, geometry);
       for (std::size_t n = 0; n + 1 < times.size(); ++n) {
         own.front().way.push_back(pose_of(path.at(times[n]), own.front().motion));
       }

@@ -1,10 +1,10 @@
-#include "lib/session/handles.h"
+#include "lib/session/handles/handles.h"
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 
-#include "lib/session/handle_path.h"
+#include "lib/session/handles/handle_path.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
@@ -40,24 +40,20 @@ std::string file_name(const PointFile& points) {
 }
 
 /// Makes every point a handle of its own, named by its line.
-std::vector<Drag> drags_of_points(const PointFile& points, HandleKind kind,
-                                  const Geometry& geometry) {
+std::vector<Drag> drags_of_points(const PointFile& points, bool pushes, const Geometry& geometry) {
   std::vector<Drag> drags;
   for (const PointFile::Row& row : points.rows) {
     const std::string name = file_name(points) + ":" + std::to_string(row.line);
     drags.push_back({Region::of_points({voxel_of(points, row, geometry)}, name),
-                     along_grid(row.by_lps_mm, geometry), kind});
+                     along_grid(row.by_lps_mm, geometry)});
+    drags.back().pushes = pushes;
   }
   return drags;
 }
 
 Region region_of(const PlacedHandle& given, const Geometry& geometry) {
   if (given.points) {
-    std::vector<Vec3i> voxels;
-    for (const PointFile::Row& row : given.points->rows) {
-      voxels.push_back(voxel_of(*given.points, row, geometry));
-    }
-    return Region::of_points(std::move(voxels), file_name(*given.points));
+    return Region::of_points(voxels_of(*given.points, geometry), file_name(*given.points));
   }
   if (given.at_lps_mm) return voxel_at(*given.at_lps_mm, geometry, given.place, "at_mm");
   if (given.corners) return *box_of(given, geometry);
@@ -73,8 +69,8 @@ Vec3i nearest_voxel(const Vec3d& index) {
 }
 
 /// True if the elements are found by more than a region of voxels.
-bool needs_selection(const PlacedHandle& given) {
-  return given.ball || given.density || given.piece_at || given.rigid_at || given.soft_mm > 0;
+bool needs_selection(const PlacedHandle& given, double soft_mm) {
+  return given.ball || given.density || given.piece_at || given.rigid_at || soft_mm > 0;
 }
 
 HandleMotion motion_of(const PlacedHandle& given, const Geometry& geometry) {
@@ -128,7 +124,8 @@ Fields fields(PlacedSelection& given) {
   };
 }
 
-Fields fields(PlacedMotion& given) {
+Fields fields(Drag& handle) {
+  PlacedHandle& given = *handle.placed;
   return {
       Field("by", given.by, "How far, in mm along the directions of the frame"),
       Field("by_mm_lps", given.by_lps_mm, "The same in LPS, whatever the frame"),
@@ -141,14 +138,14 @@ Fields fields(PlacedMotion& given) {
       Field("axis", given.axis, "Direction of the turn's axis"),
       Field("about", given.about, "The point that turn and scale leave where it is")
           .otherwise("the middle of what is grabbed"),
-      Field("soft", given.soft_mm,
+      Field("soft", handle.soft_mm,
             "Width of an edge around a voxel, box or ball that follows in part")
           .unit("mm")
           .at_least(0),
-      Field("push", given.push, "Moves tissue ahead of it along each axis, and never back"),
-      Field("spare_fixed", given.spares_fixed,
+      Field("push", handle.pushes, "Moves tissue ahead of it along each axis, and never back"),
+      Field("spare_fixed", handle.spares_fixed,
             "Leaves out elements that are fixed, and rigid pieces that anchors hold"),
-      Field("slide", given.slides,
+      Field("slide", handle.slides,
             "A shift that is stopped goes on along each grid axis as far as that is free"),
   };
 }
@@ -237,24 +234,39 @@ PosePath path_of(const PlacedHandle& given, const Geometry& geometry) {
   return path;
 }
 
-std::vector<Drag> to_drags(const PlacedHandle& given, const Geometry& geometry, double time) {
-  const HandleKind kind = given.push ? HandleKind::push : HandleKind::two_sided;
+std::vector<Drag> to_drags(const Drag& handle, const Geometry& geometry, double time) {
+  if (!handle.placed) return {handle};
+  const PlacedHandle& given = *handle.placed;
   if (given.points && given.points->has_displacements) {
-    return drags_of_points(*given.points, kind, geometry);
+    return drags_of_points(*given.points, handle.pushes, geometry);
   }
-  Drag drag{region_of(given, geometry), shift_mm(given, given.frame, geometry), kind,
-            given.label.value_or(0)};
-  if (needs_selection(given)) drag.selection = to_selection(given, geometry);
+  Drag drag = handle;
+  drag.placed.reset();
+  drag.region = region_of(given, geometry);
+  drag.by_mm = shift_mm(given, given.frame, geometry);
+  drag.label = given.label.value_or(0);
+  if (needs_selection(given, handle.soft_mm)) drag.selection = to_selection(given, geometry);
   drag.motion = motion_of(given, geometry);
-  drag.soft_mm = given.soft_mm;
-  drag.spares_fixed = given.spares_fixed;
-  drag.slides = given.slides;
-  if (given.is_animated()) {
+  if (handle.is_animated()) {
     const DragPose pose = pose_of(path_of(given, geometry).at(time), drag.motion);
     drag.by_mm = pose.by_mm;
     drag.motion = pose.motion;
   }
   return {std::move(drag)};
+}
+
+ChosenPart on_grid(ChosenPart part, const Geometry& geometry) {
+  if (!part.placed) return part;
+  part.label = part.placed->label.value_or(0);
+  if (!part.placed->label) part.selection = to_selection(*part.placed, geometry);
+  part.placed.reset();
+  return part;
+}
+
+std::vector<Vec3i> voxels_of(const PointFile& points, const Geometry& geometry) {
+  std::vector<Vec3i> voxels;
+  for (const PointFile::Row& row : points.rows) voxels.push_back(voxel_of(points, row, geometry));
+  return voxels;
 }
 
 void require_in_body(const PointFile& points, const Body& body) {
@@ -265,67 +277,6 @@ void require_in_body(const PointFile& points, const Body& body) {
                       to_text(row.at_lps_mm) + ", voxel " + to_text(voxel) + ", which is void",
                       "a point in the body; " + nearest_text(body, voxel)});
   }
-}
-
-namespace {
-
-std::vector<Drag> drags_of(const Step& step, const Geometry& geometry, double time) {
-  if (time == kWholePaths) return drags_along_paths(step.handles, geometry);
-  std::vector<Drag> drags;
-  for (const PlacedHandle& handle : step.handles) {
-    for (Drag& drag : to_drags(handle, geometry, time)) drags.push_back(std::move(drag));
-  }
-  return drags;
-}
-
-void find_part(ChosenPart& part, const Geometry& geometry) {
-  if (!part.placed) return;
-  part.label = part.placed->label.value_or(0);
-  if (!part.placed->label) part.selection = to_selection(*part.placed, geometry);
-  part.placed.reset();
-}
-
-}  // namespace
-
-Step on_grid(const Step& step, const Geometry& geometry, double time) {
-  Step found = step;
-  for (Drag& drag : drags_of(step, geometry, time)) found.drags.push_back(std::move(drag));
-  for (const PointFile& file : step.fix_points) {
-    for (const PointFile::Row& row : file.rows) {
-      const Vec3i voxel = voxel_of(file, row, geometry);
-      found.fix.push_back({voxel, voxel});
-    }
-  }
-  for (const PlacedSelection& anchor : step.anchors) {
-    Selection selection = to_selection(anchor, geometry);
-    Selection without_box = selection;
-    without_box.box.reset();
-    if (without_box == Selection()) {
-      found.fix.push_back(*selection.box);
-    } else {
-      found.fix_selections.push_back(std::move(selection));
-    }
-  }
-  found.handles.clear();
-  found.fix_points.clear();
-  found.anchors.clear();
-  for (ChosenPart& part : found.remove) find_part(part, geometry);
-  for (ChosenPart& part : found.rigid.parts) find_part(part, geometry);
-  if (!found.fem) return found;
-  for (FemLoad& load : found.fem->loads) find_part(load.part, geometry);
-  return found;
-}
-
-bool Step::does_nothing() const {
-  return handles.empty() && drags.empty() && fix.empty() && fix_points.empty() && !release &&
-         fix_labels.empty() && fix_selections.empty() && anchors.empty() && cuts.empty() &&
-         remove.empty() && rigid.empty() && retract.empty() && !relax && !springs && !fem &&
-         !material && !turn_pieces && limits != Limits::tighten;
-}
-
-bool Step::is_animated() const {
-  return std::any_of(handles.begin(), handles.end(),
-                     [](const PlacedHandle& handle) { return handle.is_animated(); });
 }
 
 }  // namespace supple

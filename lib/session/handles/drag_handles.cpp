@@ -1,4 +1,4 @@
-#include "lib/session/drag_handles.h"
+#include "lib/session/handles/drag_handles.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -93,8 +93,9 @@ void add_grabbed(const Drag& drag, std::size_t number, const Region& region,
                  const HandleMotion& motion, const HandleSurroundings& around,
                  std::vector<Handle>& handles) {
   const Body& body = around.body;
-  Handle handle(region, fixed_from_mm(drag.by_mm, body.geometry.spacing_mm()), drag.kind);
-  const bool is_rigid = around.pieces != nullptr && drag.kind == HandleKind::two_sided;
+  Handle handle(region, fixed_from_mm(drag.by_mm, body.geometry.spacing_mm()),
+                drag.pushes ? HandleKind::push : HandleKind::two_sided);
+  const bool is_rigid = around.pieces != nullptr && !drag.pushes;
   SlotSet slots;
   bool is_left = true;
   if (is_rigid || !motion.is_shift() || around.start != nullptr) {

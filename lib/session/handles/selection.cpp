@@ -1,4 +1,4 @@
-#include "lib/session/selection.h"
+#include "lib/session/handles/selection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -256,6 +256,13 @@ Selection selection_of(const Value& value, const std::string& file) {
         {file, "anchors", json_text(value).substr(0, kMaxFoundText), "a selection of elements"});
   }
   return selection;
+}
+
+const IndexBox* ChosenPart::box() const {
+  if (label != 0 || !selection || !selection->box) return nullptr;
+  Selection box_alone;
+  box_alone.box = selection->box;
+  return *selection == box_alone ? &*selection->box : nullptr;
 }
 
 std::string ChosenPart::title() const {

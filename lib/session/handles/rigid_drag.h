@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lib/session/step.h"
+#include "lib/session/handles/drag.h"
 
 namespace supple {
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lib/session/handles.h"
+#include "lib/session/handles/handles.h"
 
 namespace supple {
 
@@ -18,7 +18,6 @@ DragPose pose_of(const PathPose& pose, HandleMotion motion);
 /// way: those of all keys, and as many between them as keep shifts within a quarter of a voxel of
 /// straight lines and turns within kMostTurnDeg each. Straight ways need none between: ECM gives
 /// the same in one drag as in many.
-std::vector<Drag> drags_along_paths(const std::vector<PlacedHandle>& handles,
-                                    const Geometry& geometry);
+std::vector<Drag> drags_along_paths(const std::vector<Drag>& handles, const Geometry& geometry);
 
 }  // namespace supple

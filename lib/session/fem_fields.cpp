@@ -1,0 +1,125 @@
+// Keys of a step of finite elements.
+#include "lib/session/fem_step.h"
+#include "volumes/base/value.h"
+
+namespace supple {
+
+const char* name_of(LoadKind kind) {
+  static constexpr const char* kNames[] = {"force", "pressure", "swelling"};
+  return kNames[int(kind)];
+}
+
+std::optional<Problem> contradiction(const FemStep& step) {
+  const bool is_finite = step.params.strain == StrainTheory::finite;
+  if (step.motion && is_finite) return Problem{"", "strain", "finite beside a motion", "linear"};
+  const char* const beside = step.modes ? "modes" : step.motion ? "a motion" : nullptr;
+  if (step.halvings > 0 && beside != nullptr) {
+    return Problem{"", "refine", std::string("smaller elements beside ") + beside, "0"};
+  }
+  if (step.params.solver != EquationSolver::multigrid && beside != nullptr) {
+    return Problem{"", "solver", std::string("another program beside ") + beside, "multigrid"};
+  }
+  const char* const beside_large = beside != nullptr   ? beside
+                                   : is_finite         ? "finite strain"
+                                   : step.halvings > 0 ? "smaller ones"
+                                                       : nullptr;
+  if (step.params.doublings > 0 && beside_large != nullptr) {
+    return Problem{"", "coarsen", std::string("larger elements beside ") + beside_large, "0"};
+  }
+  return std::nullopt;
+}
+
+Field accuracy_field(FemStep& step) {
+  return Field("accuracy", step.params.accuracy, {"exact", "picture"},
+               "Finite elements: exact, or as pictures need");
+}
+
+Fields option_fields(FemStep& step) {
+  FemParams& params = step.params;
+  return {accuracy_field(step),
+          Field("strain", params.strain, {"linear", "finite"},
+                "Finite elements of small turns, or of any"),
+          Field("integration", params.elements.dilatation, {"mean", "full"},
+                "Strain of volume: mean, or full integration"),
+          Field("touching", params.elements.touching, {"apart", "joined"},
+                "Voxels that touch by an edge or corner alone")};
+}
+
+Fields fields(FemStep& step) {
+  FemParams& params = step.params;
+  const Fields own = {
+      Field("refine", step.halvings,
+            "Elements of half a voxel's edge, 1, of a quarter, 2, an eighth, 3")
+          .range(0, kMostHalvings),
+      Field("coarsen", params.doublings, "Elements of 2 voxels' edge, 1, of 4, 2, of 8, 3")
+          .range(0, kMostDoublings),
+      Field("beyond_limits", step.links_beyond, {"project", "keep"},
+            "Links that are left beyond their limits: later drags project them, or keep them"),
+      Field("max_rotation", params.max_rotation_deg, "Larger turns of an element are warned of")
+          .unit("degrees")
+          .shown_as("DEG")
+          .positive()
+          .recorded_as("max_rotation_deg"),
+      Field("max_strain", params.max_strain, "Larger strains are warned of").positive(),
+      Field("gravity", step.gravity_m_s2, "Acceleration in LPS")
+          .unit("m/s²")
+          .recorded_as("gravity_m_s2"),
+      Field("rigid_stiffness", step.rigid_young_kpa, "Young's modulus of rigid pieces")
+          .unit("kPa")
+          .shown_as("KPA")
+          .positive()
+          .otherwise("10000 times that of the stiffest tissue, at most 18600000")
+          .recorded_as("rigid_stiffness_kpa"),
+      Field("rigid_poisson", step.rigid_poisson, "Poisson's ratio of rigid pieces")
+          .range(0, kLargestPoisson),
+  };
+  Fields all = option_fields(step);
+  for (const Fields& of_scenes : {solver_fields(params), own}) {
+    for (Field field : of_scenes) all.push_back(field.only_in_scenes());
+  }
+  return all;
+}
+
+Fields load_fields(FemLoad& load) {
+  if (load.kind == LoadKind::force) {
+    return {
+        Field("force_n", load.force_n, "In all, in N along LPS; elements share it by their volume")
+            .unit("N")
+            .required()};
+  }
+  Fields fields = {Field("pressure_kpa", load.pressure_kpa,
+                         load.kind == LoadKind::pressure
+                             ? "On faces without a neighbour, inwards where positive"
+                             : "Inside elements, outwards where positive")
+                       .unit("kPa")
+                       .required()};
+  if (load.kind == LoadKind::pressure) {
+    fields.push_back(Field("facing", load.facing,
+                           "Faces whose normal is within 60 degrees of this direction in LPS")
+                         .otherwise("all faces"));
+  }
+  return fields;
+}
+
+Value settings_value(const FemStep& step) {
+  FemStep copy = step;
+  auto value = fields_value(fields(copy));
+  // Records of exact steps are as they were before there were others.
+  if (copy.params.accuracy == FemAccuracy::exact) value.erase("accuracy");
+  if (copy.params.elements.dilatation == Dilatation::mean) value.erase("integration");
+  if (copy.params.elements.touching == Touching::apart) value.erase("touching");
+  if (copy.links_beyond == LinksBeyond::project) value.erase("beyond_limits");
+  if (copy.motion) {
+    value["motion"] = fields_value(fields(*copy.motion));
+    for (const Vec3i& voxel : copy.motion->watch) value["motion"]["watch"].push_back(voxel);
+  }
+  if (copy.modes) value["modes"] = fields_value(fields(*copy.modes));
+  for (FemLoad& load : copy.loads) {
+    auto entry = chosen_value(load.part);
+    entry.update(fields_value(load_fields(load)));
+    value[std::string(name_of(load.kind)) + "s"].push_back(std::move(entry));
+  }
+  return value;
+}
+
+}  // namespace supple
