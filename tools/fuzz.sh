@@ -20,7 +20,7 @@ targets=("$@")
 
 # An input of more than 30 s, of 2 GiB or with a leak is a finding. HDF5 and OpenVDB leave memory
 # behind when they meet damage. Their files are tried in a child process, which may take up to 8 s of
-# processor time, more on a busy machine (volumes/base/run_in_child.h): inputs on which the child
+# processor time, more on a busy machine (volumes/base/process.h): inputs on which the child
 # ends, but not the target, are kept, and the program itself must refuse them.
 sanitizer_of() {
   case "$1" in

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "lib/material/material.h"
-#include "volumes/base/label_names.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 

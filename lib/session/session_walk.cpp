@@ -6,7 +6,7 @@
 #include "lib/model/quasi_static.h"
 #include "lib/session/handles/drag_handles.h"
 #include "lib/session/step_warnings.h"
-#include "volumes/base/repeated_lines.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 

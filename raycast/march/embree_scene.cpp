@@ -3,7 +3,7 @@
 #include <new>
 
 #include "volumes/base/error.h"
-#include "volumes/base/require_memory.h"
+#include "volumes/base/memory.h"
 
 namespace supple {
 

@@ -13,7 +13,7 @@
 #include "raycast/pictures/png_bytes.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
-#include "volumes/base/regular_file.h"
+#include "volumes/base/files.h"
 
 namespace supple {
 

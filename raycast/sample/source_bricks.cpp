@@ -7,7 +7,7 @@
 
 #include <oneapi/tbb/parallel_for.h>
 
-#include "volumes/base/huge_pages.h"
+#include "volumes/base/memory.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/cell.h"
 

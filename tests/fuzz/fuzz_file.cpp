@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "volumes/base/error.h"
-#include "volumes/base/run_in_child.h"
+#include "volumes/base/process.h"
 
 namespace supple::fuzz {
 

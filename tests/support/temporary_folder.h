@@ -8,7 +8,7 @@
 
 #include <sys/resource.h>
 
-#include "volumes/base/scratch_folder.h"
+#include "volumes/base/files.h"
 
 namespace supple::test {
 

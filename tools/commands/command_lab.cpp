@@ -7,7 +7,7 @@
 #include "tools/lab/options/lab_options.h"
 #include "tools/scene/plan/calibrate.h"
 #include "volumes/base/json.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/process.h"
 
 namespace supple::tools {
 

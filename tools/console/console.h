@@ -12,9 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "volumes/base/files.h"
 #include "volumes/base/progress.h"
-#include "volumes/base/repeated_lines.h"
-#include "volumes/base/reserved_names.h"
 #include "volumes/base/text.h"
 
 namespace supple::tools {

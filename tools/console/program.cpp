@@ -14,9 +14,9 @@
 #include "tools/console/build_facts.h"
 #include "tools/console/help.h"
 #include "tools/console/program_version.h"
-#include "volumes/base/heap_pages.h"
+#include "volumes/base/memory.h"
 #include "volumes/base/on_threads.h"
-#include "volumes/base/run_in_child.h"
+#include "volumes/base/process.h"
 #include "volumes/base/signals.h"
 
 namespace supple::tools {

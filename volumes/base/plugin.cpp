@@ -7,7 +7,7 @@
 
 #include <dlfcn.h>
 
-#include "volumes/base/require_memory.h"
+#include "volumes/base/memory.h"
 
 namespace supple {
 

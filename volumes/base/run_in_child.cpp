@@ -1,4 +1,4 @@
-#include "volumes/base/run_in_child.h"
+#include "volumes/base/process.h"
 
 #include <algorithm>
 #include <atomic>
@@ -91,7 +91,7 @@ Problem unpacked(const std::string& text) {
 }
 
 /// Returns the exit status of the child; a problem goes through the pipe.
-int run_child(int out, const std::function<void()>& parse) {
+int trial_status(int out, const std::function<void()>& parse) {
   try {
     parse();
   } catch (const InputError& error) {
@@ -121,13 +121,6 @@ std::string read_all(int in) {
   }
 }
 
-int status_of(pid_t child) {
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
-}
-
 }  // namespace
 
 void allow_child_processes(bool allowed) {
@@ -147,11 +140,11 @@ void run_in_child(const Problem& about, const ChildBounds& bounds,
   if (child < 0) return;
   if (child == 0) {
     confine(bounds);
-    alone.execute([&] { ::_exit(run_child(pipe.ends[1], parse)); });
+    alone.execute([&] { ::_exit(trial_status(pipe.ends[1], parse)); });
   }
   pipe.close(1);
   const std::string text = read_all(pipe.ends[0]);
-  const int status = status_of(child);
+  const int status = wait_for_end(child);
   if (WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS) return;
   // The user stops parent and child alike.
   if (WIFSIGNALED(status) && (WTERMSIG(status) == SIGINT || WTERMSIG(status) == SIGTERM)) return;

@@ -7,7 +7,7 @@
 
 #include <sys/types.h>
 
-#include "volumes/base/reserved_names.h"
+#include "volumes/base/files.h"
 
 namespace supple {
 

@@ -6,13 +6,19 @@ namespace supple {
 
 namespace {
 
-double process_cpu_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
-}
+const double kLoadingSeconds = processor_seconds();
 
 }  // namespace
+
+double processor_seconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+double loading_seconds() {
+  return kLoadingSeconds;
+}
 
 double ms_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
@@ -20,10 +26,10 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 }
 
 Stopwatch::Stopwatch(std::chrono::steady_clock::time_point started)
-    : m_start(started), m_cpu_ms(process_cpu_ms()) {}
+    : m_start(started), m_cpu_ms(1e3 * processor_seconds()) {}
 
 double Stopwatch::cpu_ms() const {
-  return process_cpu_ms() - m_cpu_ms;
+  return 1e3 * processor_seconds() - m_cpu_ms;
 }
 
 }  // namespace supple

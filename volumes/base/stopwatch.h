@@ -8,6 +8,12 @@ namespace supple {
 
 double ms_since(std::chrono::steady_clock::time_point start);
 
+/// Processor time of all threads of the process so far.
+double processor_seconds();
+
+/// Processor time for loading the program and its libraries, before main().
+double loading_seconds();
+
 /// A clock that runs from its making.
 class Stopwatch {
  public:

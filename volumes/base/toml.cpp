@@ -11,8 +11,8 @@
 #include <toml++/toml.h>
 
 #include "volumes/base/error.h"
+#include "volumes/base/files.h"
 #include "volumes/base/json.h"
-#include "volumes/base/regular_file.h"
 #include "volumes/base/text.h"
 
 namespace supple {

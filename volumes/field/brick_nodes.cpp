@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "volumes/base/huge_pages.h"
+#include "volumes/base/memory.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "volumes/base/huge_pages.h"
+#include "volumes/base/memory.h"
 
 namespace supple {
 

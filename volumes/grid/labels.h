@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "volumes/base/label_names.h"
+#include "volumes/base/text.h"
 #include "volumes/grid/brick_values.h"
 
 namespace supple {

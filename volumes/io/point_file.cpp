@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "volumes/base/error.h"
-#include "volumes/base/regular_file.h"
+#include "volumes/base/files.h"
 #include "volumes/base/text.h"
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/bytes/text_header.h"

@@ -9,8 +9,8 @@
 #include <numeric>
 #include <sstream>
 
-#include "volumes/base/run_program.h"
-#include "volumes/base/scratch_folder.h"
+#include "volumes/base/files.h"
+#include "volumes/base/process.h"
 
 namespace supple {
 

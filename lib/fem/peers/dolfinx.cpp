@@ -9,9 +9,9 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "lib/fem/peers/dolfinx_solve.h"
+#include "volumes/base/files.h"
 #include "volumes/base/json.h"
-#include "volumes/base/run_program.h"
-#include "volumes/base/scratch_folder.h"
+#include "volumes/base/process.h"
 #include "volumes/base/stopwatch.h"
 
 namespace supple {

@@ -7,7 +7,7 @@
 #include "lib/fem/node_vectors.h"
 #include "lib/fem/voxel/cell_matrices.h"
 #include "lib/fem/voxel/chebyshev.h"
-#include "volumes/base/heap_pages.h"
+#include "volumes/base/memory.h"
 
 namespace supple {
 

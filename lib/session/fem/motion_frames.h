@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "volumes/base/scratch_folder.h"
+#include "volumes/base/files.h"
 #include "volumes/base/vec.h"
 
 namespace supple {

@@ -7,7 +7,7 @@
 
 #include "tests/support/program.h"
 #include "volumes/base/atomic_file.h"
-#include "volumes/base/reserved_names.h"
+#include "volumes/base/files.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "tests/support/sanitized.h"
-#include "volumes/base/run_in_child.h"
+#include "volumes/base/process.h"
 
 namespace supple::test {
 namespace {

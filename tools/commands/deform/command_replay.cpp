@@ -10,7 +10,7 @@
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/json.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/memory.h"
 #include "volumes/base/toml.h"
 
 namespace supple::tools {

@@ -18,7 +18,8 @@
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/json.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/memory.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple::tools {
 

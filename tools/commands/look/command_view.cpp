@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <unistd.h>
 
 #include "tools/console/command.h"
@@ -12,6 +11,7 @@
 #include "tools/viewer/gatekeeper.h"
 #include "tools/viewer/server.h"
 #include "volumes/base/json.h"
+#include "volumes/base/process.h"
 #include "volumes/base/signals.h"
 
 namespace supple::tools {
@@ -64,16 +64,8 @@ class Doorway {
   void open() const {
     const bool has_display = std::getenv("DISPLAY") != nullptr || std::getenv("WAYLAND_DISPLAY");
     if (m_path.empty() || !has_display) return;
-    posix_spawn_file_actions_t quiet;
-    posix_spawn_file_actions_init(&quiet);
-    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-      posix_spawn_file_actions_addopen(&quiet, stream, "/dev/null", O_RDWR, 0);
-    }
-    std::string program = "xdg-open", path = m_path;
-    char* arguments[] = {program.data(), path.data(), nullptr};
-    pid_t process = 0;
-    ::posix_spawnp(&process, program.c_str(), &quiet, nullptr, arguments, environ);
-    posix_spawn_file_actions_destroy(&quiet);
+    constexpr int kNowhere = ProgramStart::kNowhere;
+    start_program({{"xdg-open", m_path}, "", {}, kNowhere, kNowhere, kNowhere});
   }
 
  private:

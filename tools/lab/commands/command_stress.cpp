@@ -8,7 +8,7 @@
 #include "tools/lab/commands/lab_commands.h"
 #include "tools/lab/stress/stress_table.h"
 #include "tools/scene/run/output_plan.h"
-#include "volumes/base/text_file.h"
+#include "volumes/base/files.h"
 
 namespace supple::tools {
 

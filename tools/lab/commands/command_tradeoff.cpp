@@ -6,7 +6,7 @@
 #include "tools/lab/commands/lab_commands.h"
 #include "tools/lab/tradeoff/page/scene_charts.h"
 #include "tools/lab/tradeoff/page/trade_page.h"
-#include "volumes/base/text_file.h"
+#include "volumes/base/files.h"
 
 namespace supple::tools {
 

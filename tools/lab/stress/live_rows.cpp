@@ -6,8 +6,8 @@
 
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/replay.h"
+#include "volumes/base/files.h"
 #include "volumes/base/text.h"
-#include "volumes/base/text_file.h"
 #include "volumes/base/toml.h"
 #include "volumes/base/value.h"
 

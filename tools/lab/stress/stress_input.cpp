@@ -1,7 +1,7 @@
 #include "tools/lab/stress/stress_input.h"
 
+#include "volumes/base/files.h"
 #include "volumes/base/text.h"
-#include "volumes/base/text_file.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {

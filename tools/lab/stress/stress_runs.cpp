@@ -6,8 +6,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "volumes/base/own_process.h"
-#include "volumes/base/scratch_folder.h"
+#include "volumes/base/files.h"
+#include "volumes/base/process.h"
 
 namespace supple::tools {
 

@@ -9,7 +9,7 @@
 #include "tools/console/console.h"
 #include "tools/lab/stress/measured_value.h"
 #include "tools/lab/stress/stress_cells.h"
-#include "volumes/base/child_process.h"
+#include "volumes/base/process.h"
 
 namespace supple::tools {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tools/lab/stress/measured_value.h"
-#include "volumes/base/child_process.h"
+#include "volumes/base/process.h"
 
 namespace supple::tools {
 

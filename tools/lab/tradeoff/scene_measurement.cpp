@@ -10,7 +10,7 @@
 #include "tools/console/program_version.h"
 #include "tools/scene/choice/run_phases.h"
 #include "tools/scene/run/element_volumes.h"
-#include "volumes/base/child_process.h"
+#include "volumes/base/process.h"
 #include "volumes/base/sha256.h"
 #include "volumes/base/text.h"
 

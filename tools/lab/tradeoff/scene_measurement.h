@@ -14,7 +14,7 @@
 #include "tools/scene/choice/trade_row.h"
 #include "tools/scene/file/draw_method.h"
 #include "tools/scene/file/step_method.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/process.h"
 
 namespace supple::tools {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "tools/lab/bench/report/machine.h"
+#include "volumes/base/files.h"
 #include "volumes/base/text.h"
-#include "volumes/base/text_file.h"
 
 namespace supple::tools {
 

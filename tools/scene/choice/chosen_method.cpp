@@ -12,8 +12,7 @@
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/planned_run.h"
 #include "tools/scene/run/scene_run.h"
-#include "volumes/base/regular_file.h"
-#include "volumes/base/text_file.h"
+#include "volumes/base/files.h"
 
 namespace supple::tools {
 

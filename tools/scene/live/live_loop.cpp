@@ -5,7 +5,7 @@
 
 #include <tbb/task_arena.h>
 
-#include "volumes/base/heap_pages.h"
+#include "volumes/base/memory.h"
 
 namespace supple::tools {
 

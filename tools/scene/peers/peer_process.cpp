@@ -1,5 +1,6 @@
 #include "tools/scene/peers/peer_process.h"
 
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -9,14 +10,14 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "volumes/base/error.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/memory.h"
+#include "volumes/base/process.h"
 
 namespace supple::tools {
 
@@ -30,20 +31,6 @@ double now_ms() {
       .count();
 }
 
-std::vector<char*> pointers_to(std::vector<std::string>& words) {
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  return pointers;
-}
-
-/// The environment of this program, and before it what takes precedence.
-std::vector<std::string> environment_with(const std::vector<std::string>& more) {
-  std::vector<std::string> all = more;
-  for (char** entry = environ; *entry != nullptr; ++entry) all.emplace_back(*entry);
-  return all;
-}
-
 }  // namespace
 
 PeerProcess::PeerProcess(const std::vector<std::string>& arguments,
@@ -54,31 +41,24 @@ PeerProcess::PeerProcess(const std::vector<std::string>& arguments,
     throw SystemError(m_name + ": " + std::strerror(errno));
   }
   m_socket = ends[0];
-  posix_spawn_file_actions_t actions;
-  ::posix_spawn_file_actions_init(&actions);
-  ::posix_spawn_file_actions_adddup2(&actions, ends[1], 0);
-  ::posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
-  ::posix_spawn_file_actions_addopen(&actions, 2, (m_scratch / "stderr").c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0600);
-  std::vector<std::string> words = arguments, variables = environment_with(environment);
+  const int messages =
+      ::open((m_scratch / "stderr").c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   m_own_mbytes = rss_mb();
   m_start_ms = now_ms();
-  pid_t pid = -1;
-  const int failure = ::posix_spawn(&pid, words.front().c_str(), &actions, nullptr,
-                                    pointers_to(words).data(), pointers_to(variables).data());
-  ::posix_spawn_file_actions_destroy(&actions);
+  m_pid = start_program({arguments, "", environment, ends[1], ends[1], messages});
+  const int failure = errno;
+  ::close(messages);
   ::close(ends[1]);
-  if (failure != 0) {
+  if (m_pid < 0) {
     ::close(m_socket);
     throw SystemError(arguments.front() + ": " + std::strerror(failure));
   }
-  m_pid = pid;
 }
 
 PeerProcess::~PeerProcess() {
   if (m_pid >= 0) {
     ::kill(m_pid, SIGTERM);
-    ::waitpid(m_pid, nullptr, 0);
+    wait_for_end(m_pid);
   }
   ::close(m_socket);
 }

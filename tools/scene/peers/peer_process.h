@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "volumes/base/files.h"
 #include "volumes/base/progress.h"
-#include "volumes/base/scratch_folder.h"
 
 namespace supple::tools {
 

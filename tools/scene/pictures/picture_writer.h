@@ -12,7 +12,7 @@
 #include "tools/scene/pictures/picture_options.h"
 #include "tools/scene/pictures/video.h"
 #include "volumes/base/atomic_file.h"
-#include "volumes/base/made_folders.h"
+#include "volumes/base/files.h"
 
 namespace supple::tools {
 

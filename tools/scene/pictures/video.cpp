@@ -9,11 +9,11 @@
 #include <vector>
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "volumes/base/error.h"
+#include "volumes/base/process.h"
 #include "volumes/base/signals.h"
 
 namespace supple::tools {
@@ -48,34 +48,6 @@ std::vector<std::string> arguments(const std::string& path, int width, int heigh
   add(codecs().at(extension_of(path)));
   add({"-metadata", "comment=" + comment, "-fflags", "+bitexact", path});
   return all;
-}
-
-/// Starts the program with `input` as standard input; it outlives no signal that ends us, and gets
-/// none that is meant for us alone.
-pid_t start(const std::vector<std::string>& words, int input, int messages) {
-  std::vector<char*> argv;
-  for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
-  argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t signals;
-  sigemptyset(&signals);
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) sigaddset(&signals, number);
-  posix_spawnattr_setsigdefault(&attributes, &signals);
-  posix_spawnattr_setpgroup(&attributes, 0);
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  pid_t process = -1;
-  if (posix_spawnp(&process, argv[0], &actions, &attributes, argv.data(), environ) != 0) {
-    process = -1;
-  }
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  return process;
 }
 
 std::vector<std::uint8_t> on_black(const Image& image) {
@@ -113,8 +85,10 @@ VideoEncoder::VideoEncoder(const std::string& path, std::string shown_as, int wi
     throw SystemError(m_shown_as + ": cannot write: " + std::strerror(errno));
   }
   m_pipe = ends[1];
-  m_process = start(arguments(path, width, height, frames_per_second, comment), ends[0],
-                    ::fileno(m_messages.get()));
+  // It outlives no signal that ends us, and gets none that is meant for us alone.
+  m_process = start_program({arguments(path, width, height, frames_per_second, comment), "", {},
+                             ends[0], ProgramStart::kNowhere, ::fileno(m_messages.get()), false,
+                             true});
   ::close(ends[0]);
   if (m_process < 0) {
     ::close(m_pipe);
@@ -150,9 +124,7 @@ int VideoEncoder::wait_for_end() {
   while (::waitid(P_PID, id_t(m_process), &ended, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
   }
   spare_at_signal(m_process);
-  int status = 0;
-  while (::waitpid(m_process, &status, 0) < 0 && errno == EINTR) {
-  }
+  const int status = supple::wait_for_end(m_process);
   m_process = -1;
   return status;
 }

@@ -11,7 +11,7 @@
 #include "lib/state/state_outputs.h"
 #include "raycast/render.h"
 #include "raycast/scene/presets.h"
-#include "volumes/base/scratch_folder.h"
+#include "volumes/base/files.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"

@@ -7,7 +7,7 @@
 #include "tools/scene/plan/plan_ledger.h"
 #include "tools/scene/plan/planned_run.h"
 #include "volumes/base/error.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/memory.h"
 #include "volumes/io/load/brick_sample.h"
 #include "volumes/io/open_volume.h"
 

@@ -1,7 +1,8 @@
 #include "tools/scene/plan/planned_run.h"
 
 #include "volumes/base/error.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/memory.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple::tools {
 

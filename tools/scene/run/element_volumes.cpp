@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "volumes/base/error.h"
-#include "volumes/base/text_file.h"
+#include "volumes/base/files.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {

@@ -8,9 +8,9 @@
 #include "tools/scene/run/scene_files.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
+#include "volumes/base/files.h"
 #include "volumes/base/json.h"
 #include "volumes/base/sha256.h"
-#include "volumes/base/text_file.h"
 #include "volumes/base/version.h"
 
 namespace supple::tools {

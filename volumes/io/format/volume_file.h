@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "volumes/base/label_names.h"
+#include "volumes/base/text.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/io/bytes/value_type.h"
 

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "volumes/base/run_in_child.h"
+#include "volumes/base/process.h"
 #include "volumes/io/bytes/byte_source.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/hdf5/hdf5_plugin.h"

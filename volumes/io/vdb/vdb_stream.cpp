@@ -12,7 +12,7 @@
 #include <openvdb/util/logging.h>
 
 #include "volumes/base/error.h"
-#include "volumes/base/require_memory.h"
+#include "volumes/base/memory.h"
 #include "volumes/io/bytes/input_file.h"
 #include "volumes/io/vdb/leaf_ranges.h"
 

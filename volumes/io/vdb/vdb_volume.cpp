@@ -8,7 +8,7 @@
 #include <openvdb/tools/Dense.h>
 
 #include "volumes/base/error.h"
-#include "volumes/base/run_in_child.h"
+#include "volumes/base/process.h"
 #include "volumes/geometry/geometry_text.h"
 #include "volumes/io/bytes/byte_source.h"
 #include "volumes/io/bytes/text_header.h"

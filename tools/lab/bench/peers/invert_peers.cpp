@@ -5,7 +5,7 @@
 #include "tools/lab/bench/peers/vtk_inverse.h"
 #include "tools/scene/peers/peer_process.h"
 #include "volumes/base/error.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/process.h"
 
 namespace supple::tools {
 

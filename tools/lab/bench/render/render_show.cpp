@@ -17,7 +17,7 @@
 #include "tools/scene/peers/peer_process.h"
 #include "tools/scene/peers/vtk_peer.h"
 #include "tools/scene/plan/calibrate.h"
-#include "volumes/base/own_process.h"
+#include "volumes/base/process.h"
 #include "volumes/base/value.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"

@@ -5,7 +5,7 @@
 
 #include <malloc.h>
 
-#include "volumes/base/heap_pages.h"
+#include "volumes/base/memory.h"
 
 namespace supple::tools {
 

@@ -1,13 +1,19 @@
-#include "volumes/base/reserved_names.h"
+#include "volumes/base/files.h"
 
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string_view>
 #include <thread>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,6 +21,43 @@
 #include "volumes/base/error.h"
 
 namespace supple {
+
+void require_regular_file(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return;
+  if (S_ISDIR(status.st_mode)) throw_open_error(path, EISDIR);
+  throw InputError({path, "", "a device, pipe or socket", "a regular file"});
+}
+
+std::string text_of_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+void replace_text_file(const std::string& path, const std::string& text) {
+  AtomicFile file(path);
+  std::ofstream stream(file.path(), std::ios::binary);
+  stream << text << std::flush;
+  if (!stream) throw_write_error(path, errno);
+  stream.close();
+  file.commit();
+}
+
+MadeFolders::~MadeFolders() {
+  std::error_code ignored;
+  while (!m_folders.empty()) {
+    std::filesystem::remove(m_folders.back(), ignored);  // unless something is in it
+    m_folders.pop_back();
+  }
+}
+
+void MadeFolders::make(const std::filesystem::path& folder) {
+  if (folder.empty() || std::filesystem::exists(folder)) return;
+  make(folder.parent_path());
+  if (std::filesystem::create_directory(folder)) m_folders.push_back(folder);
+}
 
 namespace {
 
@@ -155,6 +198,58 @@ ReservedNames::~ReservedNames() {
     Remains{(path / kLockName).string(), folder.descriptor}.remove();
     ::close(folder.descriptor);
   }
+}
+
+namespace {
+
+/// Prefix that with six characters behind it names such a folder, and nothing else.
+constexpr std::string_view kPrefix = "supple-scratch-";
+constexpr std::string_view kAnySix = "XXXXXX";
+/// A folder that has just been made has no lock yet.
+constexpr std::time_t kLeastAge_s = 60;
+
+/// The folder, locked where nobody else holds its lock; -1 where somebody does, or it is not a
+/// folder.
+int open_locked(const std::string& path) {
+  const int folder = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (folder < 0 || ::flock(folder, LOCK_EX | LOCK_NB) == 0) return folder;
+  ::close(folder);
+  return -1;
+}
+
+/// Folders of this user whose process was killed: it holds their lock no more.
+void remove_abandoned(const fs::path& temporary) {
+  std::error_code ignored;
+  for (const fs::directory_entry& entry : fs::directory_iterator(temporary, ignored)) {
+    const std::string name = entry.path().filename().string();
+    if (name.rfind(kPrefix, 0) != 0 || name.size() != kPrefix.size() + kAnySix.size()) continue;
+    const int folder = open_locked(entry.path().string());
+    if (folder < 0) continue;
+    struct stat about = {};
+    const bool is_known = ::fstat(folder, &about) == 0;
+    if (is_known && about.st_uid == ::geteuid() &&
+        std::time(nullptr) - about.st_mtime >= kLeastAge_s) {
+      fs::remove_all(entry.path(), ignored);
+    }
+    ::close(folder);
+  }
+}
+
+}  // namespace
+
+ScratchFolder::ScratchFolder() {
+  const fs::path temporary = fs::temp_directory_path();
+  remove_abandoned(temporary);
+  std::string pattern = temporary / std::string(kPrefix).append(kAnySix);
+  if (::mkdtemp(pattern.data()) == nullptr) throw SystemError(pattern + ": cannot create");
+  m_path = pattern;
+  m_lock = open_locked(m_path);
+}
+
+ScratchFolder::~ScratchFolder() {
+  std::error_code ignored;
+  fs::remove_all(m_path, ignored);
+  if (m_lock >= 0) ::close(m_lock);
 }
 
 }  // namespace supple

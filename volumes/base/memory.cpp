@@ -1,44 +1,19 @@
-#include "volumes/base/own_process.h"
+#include "volumes/base/memory.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <filesystem>
+#include <cstdlib>
 #include <fstream>
+#include <new>
 #include <optional>
-#include <system_error>
+#include <string>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
-#include <time.h>
 #include <unistd.h>
 
-#include "volumes/base/error.h"
-
 namespace supple {
-
-std::string own_program() {
-  return std::filesystem::read_symlink("/proc/self/exe").string();
-}
-
-std::string program_beside(const std::string& name) {
-  const auto program = std::filesystem::path(own_program()).parent_path() / name;
-  return std::filesystem::exists(program) ? program.string() : "";
-}
-
-std::string require_program_beside(const std::string& name) {
-  const std::string program = program_beside(name);
-  if (!program.empty()) return program;
-  const auto folder = std::filesystem::path(own_program()).parent_path();
-  throw SystemError((folder / name).string() + ": this program is missing");
-}
-
-void become_program(const std::string& program, const std::vector<std::string>& arguments) {
-  std::vector<char*> words;
-  for (const std::string& argument : arguments)
-    words.push_back(const_cast<char*>(argument.c_str()));
-  words.push_back(nullptr);
-  ::execv(program.c_str(), words.data());
-  throw SystemError(program + ": " + std::generic_category().message(errno));
-}
 
 namespace {
 
@@ -63,8 +38,6 @@ std::optional<double> left_in_group_mb() {
   std::ifstream(folder + "memory.current") >> taken;
   return (limit - taken) / 1e6;
 }
-
-const double kLoadingSeconds = processor_seconds();
 
 }  // namespace
 
@@ -93,14 +66,56 @@ double memory_left_mb() {
   return std::max(left, 0.0);
 }
 
-double processor_seconds() {
-  timespec time{};
-  ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+void require_memory(std::int64_t bytes) {
+  void* const pages = ::mmap(nullptr, std::size_t(bytes), PROT_NONE,
+                             MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (pages == MAP_FAILED) {
+    // Like operator new, asks the handler, which may give back what it keeps for the unwinding.
+    if (const std::new_handler handler = std::get_new_handler()) handler();
+    throw std::bad_alloc();
+  }
+  ::munmap(pages, std::size_t(bytes));
 }
 
-double loading_seconds() {
-  return kLoadingSeconds;
+namespace {
+
+bool g_keeps_large_pages = false;
+
+#ifdef __GLIBC__
+void ask_for_large_pages() {
+  constexpr int kHeapBytes = 256 << 20, kLargestInHeap = 32 << 20;
+  // Growth by so much at a time is address space until it is touched.
+  ::mallopt(M_TOP_PAD, kHeapBytes);
+  ::mallopt(M_TRIM_THRESHOLD, 2 * kHeapBytes);
+  ::mallopt(M_MMAP_THRESHOLD, kLargestInHeap);
+  const auto end_of_heap = [] { return static_cast<char*>(::sbrk(0)); };
+  char* const before = end_of_heap();
+  // More than a new heap has: it grows. Compilers leave out what is freed unused.
+  void* volatile block = std::malloc(kLargestInHeap / 2);
+  std::free(block);
+  ask_for_huge_pages(before, std::size_t(end_of_heap() - before));
+}
+#endif
+
+}  // namespace
+
+void keep_heap_in_large_pages() {
+#ifdef __GLIBC__
+  rlimit addresses{};
+  if (::getrlimit(RLIMIT_AS, &addresses) != 0 || addresses.rlim_cur != RLIM_INFINITY) {
+    ::mallopt(M_ARENA_MAX, 1);
+    return;
+  }
+  g_keeps_large_pages = true;
+  ask_for_large_pages();
+#endif
+}
+
+void return_free_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+  if (g_keeps_large_pages) ask_for_large_pages();
+#endif
 }
 
 }  // namespace supple
