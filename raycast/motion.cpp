@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include <oneapi/tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -35,7 +35,7 @@ std::vector<Vec3d> rest_places(const FloatImage& picture, const Camera& camera,
   const CameraRays rays(camera, picture.width, picture.height);
   const Vec3d forward = camera_frame(camera).forward;
   std::vector<Vec3d> places(picture.pixel_count(), Vec3d(std::numeric_limits<double>::quiet_NaN()));
-  tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t n) {
+  parallel_for(places.size(), [&](std::size_t n) {
     if (std::isnan(picture.depth_mm[n])) return;
     places[n] = geometry.index_from_world(place_seen(picture, rays, forward, n));
     Vec3d offset(0);
@@ -51,7 +51,7 @@ std::vector<float> screen_motion(const FloatImage& picture, const std::vector<Ve
   const CameraRays rays(now.camera, width, height);
   const Vec3d forward = camera_frame(now.camera).forward;
   std::vector<float> motion(2 * picture.pixel_count());
-  tbb::parallel_for(std::size_t(0), picture.pixel_count(), [&](std::size_t n) {
+  parallel_for(picture.pixel_count(), [&](std::size_t n) {
     if (std::isnan(picture.depth_mm[n])) return;
     Vec3d place = place_seen(picture, rays, forward, n);
     const int surface = picture.surface.empty() ? -1 : picture.surface[n];

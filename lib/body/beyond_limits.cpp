@@ -1,6 +1,6 @@
 #include "lib/body/beyond_limits.h"
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -28,7 +28,7 @@ void AdmissibleOffsets::add(int sign) {
       q.touch(b);  // stored before threads write it
       bricks.push_back(b);
     }
-    tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    parallel_for(bricks.size(), [&](std::size_t n) {
       const std::int32_t* const from = beyond.brick(bricks[n]);
       std::int32_t* const to = q.touch(bricks[n]);
       for (int offset = 0; offset < kBrickVoxels; ++offset) to[offset] += sign * from[offset];

@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <array>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include "lib/body/body.h"
 #include "lib/body/lattice.h"
 #include "lib/body/link_masks.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -109,15 +107,9 @@ void count_brick(const Body& body, const FoldTable& folds, std::size_t b, Counts
 
 LinkCheck check_links(const Body& body) {
   const FoldTable folds(body);
-  using Range = tbb::blocked_range<std::size_t>;
-  const Counts total = tbb::parallel_reduce(
-      Range(0, body.elements.brick_count(), 64), Counts{},
-      [&](const Range& range, Counts counts) {
-        for (std::size_t b = range.begin(); b < range.end(); ++b) {
-          count_brick(body, folds, b, counts);
-        }
-        return counts;
-      },
+  const Counts total = parallel_reduce(
+      body.elements.brick_count(), Grain{64}, Counts{},
+      [&](std::size_t b, Counts& counts) { count_brick(body, folds, b, counts); },
       [](const Counts& x, const Counts& y) {
         return Counts{x.links + y.links, x.violated + y.violated, std::max(x.worst, y.worst),
                       x.can_fold || y.can_fold};

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include "lib/body/nearest_point.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -154,13 +152,9 @@ class MotionSearch {
   /// The bound that a small motion misses by most, as row . x >= row . step + missing; false where
   /// it meets all.
   bool most_violated(const SmallMotion& step, Vec6& row, double& missing) const {
-    using Range = tbb::blocked_range<std::size_t>;
-    const Violation worst = tbb::parallel_reduce(
-        Range(0, m_arms.size(), 2048), Violation(),
-        [&](const Range& range, Violation most) {
-          for (std::size_t n = range.begin(); n < range.end(); ++n) look_at(n, step, most);
-          return most;
-        },
+    const Violation worst = parallel_reduce(
+        m_arms.size(), Grain{2048}, Violation(),
+        [&](std::size_t n, Violation& most) { look_at(n, step, most); },
         [](const Violation& a, const Violation& b) { return b.missing > a.missing ? b : a; });
     missing = worst.missing;
     if (worst.sign == 0) return false;

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include "lib/body/brick_faces.h"
 #include "lib/chainmail/brick_kernel.h"
 #include "lib/chainmail/diagonal_visit.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -130,12 +127,8 @@ BlockPropagator::BlockPropagator(const Body& body)
 void BlockPropagator::find_neighbours() {
   if (m_body.slacks.links() == 6 || !m_neighbours.empty()) return;
   m_neighbours.resize(m_body.elements.brick_count());
-  using Range = tbb::blocked_range<std::size_t>;
-  tbb::parallel_for(Range(0, m_neighbours.size(), 256), [&](const Range& range) {
-    for (std::size_t b = range.begin(); b < range.end(); ++b) {
-      m_neighbours[b] = neighbours_of(m_body.elements, b);
-    }
-  });
+  parallel_for(m_neighbours.size(), Grain{256},
+               [&](std::size_t b) { m_neighbours[b] = neighbours_of(m_body.elements, b); });
 }
 
 int BlockPropagator::seeded() const {
@@ -283,13 +276,10 @@ void BlockPropagator::visit_phase(const PropagationTask& task, std::vector<std::
       outgoing[side] = leaving >> side & 1 ? here.send(side) : 0;
     }
   };
-  if (bricks.size() < kParallelBricks || tbb::this_task_arena::max_concurrency() == 1) {
+  if (bricks.size() < kParallelBricks || threads_here() == 1) {
     for (std::size_t n = 0; n < bricks.size(); ++n) visit(n);
   } else {
-    using Range = tbb::blocked_range<std::size_t>;
-    tbb::parallel_for(Range(0, bricks.size(), kBricksPerTask), [&](const Range& range) {
-      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
-    });
+    parallel_for(bricks.size(), Grain{kBricksPerTask}, visit);
   }
   for (std::size_t n = 0; n < bricks.size(); ++n) {
     const Level* const outgoing = m_outgoing.data() + n * kNeighbours;

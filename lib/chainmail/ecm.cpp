@@ -7,13 +7,11 @@
 #include <map>
 #include <memory>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include "lib/body/beyond_limits.h"
 #include "lib/chainmail/coordinate_drag.h"
 #include "lib/chainmail/held_voxels.h"
 #include "lib/chainmail/piece_bounds.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/stopwatch.h"
 
 namespace supple {
@@ -97,14 +95,9 @@ std::int64_t count_moved(const CoordinateDrags& drags) {
     }
     return kBrickVoxels - std::count(changes, changes + kBrickVoxels, 0);
   };
-  using Range = tbb::blocked_range<std::size_t>;
-  return tbb::parallel_reduce(
-      Range(0, bricks.size(), 64), std::int64_t(0),
-      [&](const Range& range, std::int64_t moved) {
-        for (std::size_t n = range.begin(); n < range.end(); ++n) moved += moved_in(bricks[n]);
-        return moved;
-      },
-      std::plus<>());
+  return parallel_reduce(
+      bricks.size(), Grain{64}, std::int64_t(0),
+      [&](std::size_t n, std::int64_t& moved) { moved += moved_in(bricks[n]); }, std::plus<>());
 }
 
 std::vector<PieceShift> shifted_pieces(const FreePieces& pieces, const CoordinateDrags& drags) {

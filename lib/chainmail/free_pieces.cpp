@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -36,22 +35,15 @@ FreePieces::FreePieces(const Body& body, const std::vector<const SlotSet*>& held
 
 FreePieces::Reach FreePieces::reach_of(const SlotSet& elements, const BrickValues& now,
                                        const Before& before) const {
-  using Range = tbb::blocked_range<std::size_t>;
   const std::vector<SlotSet::Brick>& bricks = elements.bricks();
-  return tbb::parallel_reduce(
-      Range(0, bricks.size(), kPiecesPerTask), Reach(),
-      [&](const Range& range, Reach reach) {
-        for (std::size_t n = range.begin(); n < range.end(); ++n) {
-          const std::int32_t* from = before(bricks[n].brick);
-          const std::int32_t* to = now.brick_or_zero(bricks[n].brick);
-          if (from == to) {
-            reach.add(0);
-            continue;
-          }
-          for_each_active(bricks[n].mask,
-                          [&](int offset) { reach.add(std::int64_t(to[offset]) - from[offset]); });
-        }
-        return reach;
+  return parallel_reduce(
+      bricks.size(), Grain{kPiecesPerTask}, Reach(),
+      [&](std::size_t n, Reach& reach) {
+        const std::int32_t* from = before(bricks[n].brick);
+        const std::int32_t* to = now.brick_or_zero(bricks[n].brick);
+        if (from == to) return reach.add(0);
+        for_each_active(bricks[n].mask,
+                        [&](int offset) { reach.add(std::int64_t(to[offset]) - from[offset]); });
       },
       [](Reach a, const Reach& b) {
         a.least = std::min(a.least, b.least);

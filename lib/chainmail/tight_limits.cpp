@@ -4,9 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_reduce.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -115,16 +113,13 @@ class SumsNearOffsets {
  public:
   SumsNearOffsets(const Body& body, const LinkOffsets& q, const std::vector<std::uint8_t>& near)
       : m_body(body), m_q(q), m_of_brick(near.size()) {
-    using Range = oneapi::tbb::blocked_range<std::size_t>;
-    oneapi::tbb::parallel_for(Range(0, near.size(), 8), [&](const Range& range) {
-      for (std::size_t b = range.begin(); b < range.end(); ++b) {
-        if (near[b] == 0) continue;
-        m_of_brick[b].resize(kBrickVoxels);
-        for_each_active(body.elements.mask(b), [&](int offset) {
-          m_of_brick[b][std::size_t(offset)] =
-              link_sums(body, q, Slot(b * kBrickVoxels + std::size_t(offset)));
-        });
-      }
+    parallel_for(near.size(), Grain{8}, [&](std::size_t b) {
+      if (near[b] == 0) return;
+      m_of_brick[b].resize(kBrickVoxels);
+      for_each_active(body.elements.mask(b), [&](int offset) {
+        m_of_brick[b][std::size_t(offset)] =
+            link_sums(body, q, Slot(b * kBrickVoxels + std::size_t(offset)));
+      });
     });
   }
 
@@ -158,26 +153,21 @@ TightCheck check_tight(const Body& body, const LinkOffsets& q, double tolerance,
       if (near[b] != 0) values.touch(b);
     }
   }
-  using Range = oneapi::tbb::blocked_range<std::size_t>;
   const SumsNearOffsets sums(body, q, near);
   const auto allowed = std::int64_t(tolerance * kFixedOne);
-  return oneapi::tbb::parallel_reduce(
-      Range(0, near.size(), 8), TightCheck{},
-      [&](const Range& range, TightCheck check) {
-        for (std::size_t b = range.begin(); b < range.end(); ++b) {
-          if (near[b] == 0) continue;
-          for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
-            const TightRange tight =
-                range_between(body, q, axis, low, high, sums.of(low), sums.of(high));
-            const BrickValues& along = q[std::size_t(axis)];
-            const std::int32_t change = missing_in(tight, along.at(high) - along.at(low));
-            missing[std::size_t(axis)].touch(b)[low % kBrickVoxels] = change;
-            const std::int64_t excess = std::abs(std::int64_t(change));
-            check =
-                sum_of(check, {tight.is_tightened, excess > allowed, excess, square_of(excess)});
-          });
-        }
-        return check;
+  return parallel_reduce(
+      near.size(), Grain{8}, TightCheck{},
+      [&](std::size_t b, TightCheck& check) {
+        if (near[b] == 0) return;
+        for_each_link(body.elements, body.cuts, b, [&](int axis, Slot low, Slot high) {
+          const TightRange tight =
+              range_between(body, q, axis, low, high, sums.of(low), sums.of(high));
+          const BrickValues& along = q[std::size_t(axis)];
+          const std::int32_t change = missing_in(tight, along.at(high) - along.at(low));
+          missing[std::size_t(axis)].touch(b)[low % kBrickVoxels] = change;
+          const std::int64_t excess = std::abs(std::int64_t(change));
+          check = sum_of(check, {tight.is_tightened, excess > allowed, excess, square_of(excess)});
+        });
       },
       sum_of);
 }

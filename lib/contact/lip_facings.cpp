@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -163,7 +163,7 @@ void LipFacings::follow() {
   }
   for (int side = 0; side < 2; ++side) {
     const Marks& marks = is_stale[std::size_t(side)];
-    tbb::parallel_for(std::size_t(0), marks.size(), [&](std::size_t n) {
+    parallel_for(marks.size(), [&](std::size_t n) {
       if (marks[n]) m_sides[std::size_t(side)].facings[n] = facings_of(side, n);
     });
   }
@@ -181,8 +181,8 @@ std::vector<int> LipFacings::move_points(int side_number, const std::vector<int>
   side.points.resize(m_sheets.lips.size());
   side.facings.resize(m_sheets.lips.size());
   std::vector<Vec3d> now(lips.size());
-  tbb::parallel_for(std::size_t(0), lips.size(),
-                    [&](std::size_t n) { now[n] = point(side_number, std::size_t(lips[n])); });
+  parallel_for(lips.size(),
+               [&](std::size_t n) { now[n] = point(side_number, std::size_t(lips[n])); });
   std::vector<int> others;
   for (std::size_t n = 0; n < lips.size(); ++n) {
     const auto lip = std::size_t(lips[n]);

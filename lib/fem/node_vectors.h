@@ -7,8 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -18,12 +17,9 @@ constexpr std::size_t kVectorRange = 3 << 13;
 template <class Visit>
 void for_ranges(std::size_t count, Visit&& visit) {
   const std::size_t ranges = (count + kVectorRange - 1) / kVectorRange;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, ranges, 1),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t n = range.begin(); n < range.end(); ++n) {
-                        visit(n * kVectorRange, std::min(count, (n + 1) * kVectorRange));
-                      }
-                    });
+  parallel_for(ranges, [&](std::size_t n) {
+    visit(n * kVectorRange, std::min(count, (n + 1) * kVectorRange));
+  });
 }
 
 /// The sum of sum_range(begin, end) over all ranges.

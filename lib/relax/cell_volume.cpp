@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "lib/relax/cell_brick.h"
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -75,7 +75,8 @@ Vec3d hexahedron_gradient(const Hexahedron& corners, int corner) {
 
 CellVolumes cell_volumes(const Body& body) {
   std::vector<CellVolumes> of_brick(body.elements.brick_count());
-  in_parallel(of_brick.size(), [&](std::size_t b) { of_brick[b] = volumes_in(body, b); });
+  parallel_for(of_brick.size(), Grain{4},
+               [&](std::size_t b) { of_brick[b] = volumes_in(body, b); });
   CellVolumes total;
   for (const CellVolumes& volumes : of_brick) total = join(total, volumes);
   const Vec3d spacing = body.geometry.spacing_mm();

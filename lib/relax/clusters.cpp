@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "lib/relax/grouped.h"
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -57,7 +57,7 @@ void GrowingClusters::add(const std::vector<std::uint32_t>& bricks) {
 std::uint32_t GrowingClusters::number(BrickValues& numbers) {
   const BrickTopology& elements = m_body.elements;
   std::vector<std::vector<Slot>> roots_of(m_bricks.size());
-  in_parallel(m_bricks.size(), [&](std::size_t n) {
+  parallel_for(m_bricks.size(), Grain{4}, [&](std::size_t n) {
     for_each_joined(m_forest, elements, m_bricks[n], [&](Slot slot) {
       if (m_forest.is_root(slot)) roots_of[n].push_back(slot);
     });
@@ -70,13 +70,13 @@ std::uint32_t GrowingClusters::number(BrickValues& numbers) {
       numbers.set(root, std::int32_t(roots.size()));
     }
   }
-  in_parallel(m_bricks.size(), [&](std::size_t n) {
+  parallel_for(m_bricks.size(), Grain{4}, [&](std::size_t n) {
     for_each_joined(m_forest, elements, m_bricks[n], [&](Slot slot) {
       if (m_forest.is_root(slot)) return;
       numbers.touch(m_bricks[n])[slot % kBrickVoxels] = numbers.at(m_forest.root(slot));
     });
   });
-  in_parallel(m_bricks.size(), [&](std::size_t n) {
+  parallel_for(m_bricks.size(), Grain{4}, [&](std::size_t n) {
     for_each_joined(m_forest, elements, m_bricks[n], [&](Slot slot) {
       m_forest.set_root(slot, roots[std::size_t(numbers.at(slot)) - 1]);
     });
@@ -115,7 +115,7 @@ Clusters GrowingClusters::find() {
   const std::uint32_t count = number(numbers);
   std::vector<ClusteredItems<Slot>> members(m_bricks.size());
   std::vector<LinksOut> boundary(m_bricks.size());
-  in_parallel(m_bricks.size(), [&](std::size_t n) {
+  parallel_for(m_bricks.size(), Grain{4}, [&](std::size_t n) {
     for_each_joined(m_forest, m_body.elements, m_bricks[n], [&](Slot slot) {
       members[n].push_back({std::uint32_t(numbers.at(slot) - 1), slot});
     });

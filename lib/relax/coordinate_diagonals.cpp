@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "lib/relax/coordinate_relaxation.h"
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -48,7 +48,7 @@ double CoordinateRelaxation::step_diagonals_of(std::size_t brick, const Diagonal
 /// Steps all single nodes of the pass's bricks at once; returns the largest step.
 double CoordinateRelaxation::sweep_diagonals_at_once(const SweepRule& rule) {
   std::vector<double> largest(m_work.size());
-  in_parallel(m_work.size(), [&](std::size_t n) {
+  parallel_for(m_work.size(), Grain{4}, [&](std::size_t n) {
     const std::size_t brick = m_work[n];
     largest[n] = step_diagonals_of(brick, {rule, true, nullptr}, m_next.touch(brick));
   });
@@ -65,7 +65,7 @@ double CoordinateRelaxation::sweep_diagonals(const SweepRule& rule) {
   double all = 0;
   for (const auto& bricks : colours) {
     std::vector<double> largest(bricks.size());
-    in_parallel(bricks.size(), [&](std::size_t n) {
+    parallel_for(bricks.size(), Grain{4}, [&](std::size_t n) {
       const std::size_t brick = bricks[n];
       largest[n] = step_diagonals_of(brick, {rule, false, nullptr}, m_now.touch(brick));
     });

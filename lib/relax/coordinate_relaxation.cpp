@@ -6,7 +6,7 @@
 #include "lib/relax/cluster_pull.h"
 #include "lib/relax/excess_energy.h"
 #include "lib/relax/fine_offsets.h"
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -135,7 +135,7 @@ double CoordinateRelaxation::keep_bounds(std::size_t brick, double* values, doub
 double CoordinateRelaxation::sweep_nodes(int colour, const SweepRule& rule, bool first) {
   static const BrickMask kColours[2] = {chessboard(0), chessboard(1)};
   std::vector<double> largest(m_work.size());
-  in_parallel(m_work.size(), [&](std::size_t n) {
+  parallel_for(m_work.size(), Grain{4}, [&](std::size_t n) {
     const std::size_t brick = m_work[n];
     BrickMask free = m_elements.single[brick];
     if (colour >= 0) {
@@ -167,7 +167,7 @@ double CoordinateRelaxation::step_of_cluster(const Clusters& clusters, std::size
 /// Moves every cluster as one; returns the largest step.
 double CoordinateRelaxation::sweep_clusters(const Clusters& clusters, double relaxation) {
   std::vector<double> steps(clusters.count());
-  in_parallel(clusters.count(), [&](std::size_t c) {
+  parallel_for(clusters.count(), Grain{4}, [&](std::size_t c) {
     if (m_elements.moves(clusters.members[clusters.first[c]])) {
       steps[c] = step_of_cluster(clusters, c, relaxation);
     }
@@ -262,7 +262,7 @@ double CoordinateRelaxation::pass() {
 }
 
 double CoordinateRelaxation::energy() {
-  in_parallel(m_work.size(), [&](std::size_t n) {
+  parallel_for(m_work.size(), Grain{4}, [&](std::size_t n) {
     double unused[kBrickVoxels];
     m_energies[m_work[n]] = has_diagonals()
                                 ? sweep_diagonals_of(m_work[n], BrickMask{}, {}, unused).energy

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -27,7 +27,7 @@ void pad(const std::array<const From*, kDirections>& sources, PaddedBrick<To>& o
 
 std::vector<std::int16_t> classes_of_bricks(const Body& body) {
   std::vector<std::int16_t> classes(body.elements.brick_count());
-  in_parallel(classes.size(), [&](std::size_t b) {
+  parallel_for(classes.size(), Grain{4}, [&](std::size_t b) {
     int least = kLastClass, most = 0;
     for_each_active(body.elements.mask(b), [&](int offset) {
       const int here = body.classes[b * kBrickVoxels + std::size_t(offset)];

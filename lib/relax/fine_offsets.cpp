@@ -5,7 +5,7 @@
 
 #include "lib/body/lattice.h"
 #include "lib/relax/brick_springs.h"
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -40,8 +40,8 @@ class FractionFilter {
         if (due[b]) bricks.push_back(std::uint32_t(b));
       }
       std::vector<std::vector<Slot>> broken(bricks.size());
-      in_parallel(bricks.size(),
-                  [&](std::size_t n) { broken[n] = ends_of_broken_links(bricks[n]); });
+      parallel_for(bricks.size(), Grain{4},
+                   [&](std::size_t n) { broken[n] = ends_of_broken_links(bricks[n]); });
       std::fill(due.begin(), due.end(), 0);
       bool is_done = true;
       for (const std::vector<Slot>& ends : broken) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -25,7 +25,7 @@ void group_by_cluster(std::vector<ClusteredItems<Item>> parts, std::size_t clust
     std::uint32_t place;  // in `items`
   };
   std::vector<std::vector<Run>> runs(parts.size());
-  in_parallel(parts.size(), [&](std::size_t p) {
+  parallel_for(parts.size(), Grain{4}, [&](std::size_t p) {
     ClusteredItems<Item>& part = parts[p];
     const auto before = [](const auto& a, const auto& b) { return a.first < b.first; };
     if (!std::is_sorted(part.begin(), part.end(), before)) {
@@ -49,7 +49,7 @@ void group_by_cluster(std::vector<ClusteredItems<Item>> parts, std::size_t clust
     }
   }
   items.resize(first.back());
-  in_parallel(parts.size(), [&](std::size_t p) {
+  parallel_for(parts.size(), Grain{4}, [&](std::size_t p) {
     for (const Run& run : runs[p]) {
       std::transform(parts[p].begin() + run.begin, parts[p].begin() + run.end,
                      items.begin() + run.place, [](const auto& pair) { return pair.second; });

@@ -6,10 +6,10 @@
 #include "lib/relax/brick_springs.h"
 #include "lib/relax/cell_brick.h"
 #include "lib/relax/cell_volume.h"
-#include "lib/relax/in_parallel.h"
 #include "lib/relax/link_table.h"
 #include "lib/relax/movable.h"
 #include "lib/relax/relaxation.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -186,7 +186,7 @@ std::vector<double> forces_mn(const Body& body, int c, const Bearers& bearers, s
                               const CellModuli& moduli) {
   const LinkTable table(body, c, RigidLinks::absent, spring_links(body, moduli.any()));
   std::vector<std::vector<Share>> shares(body.elements.brick_count());
-  in_parallel(shares.size(), [&](std::size_t b) {
+  parallel_for(shares.size(), Grain{4}, [&](std::size_t b) {
     const std::int32_t* holder = bearers.holder.brick(b);
     if (holder == nullptr) return;
     BrickForces forces{};

@@ -7,7 +7,7 @@
 #include "lib/relax/cell_volume.h"
 #include "lib/relax/cluster_pull.h"
 #include "lib/relax/grouped.h"
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -108,7 +108,7 @@ double VolumeClusters::step_of(std::size_t cluster,
   double force = links.force;
   const std::size_t begin = m_first_cell[cluster], end = m_first_cell[cluster + 1];
   std::vector<RigidPull> sums((end - begin + kCellsPerSum - 1) / kCellsPerSum);
-  in_parallel(sums.size(), [&](std::size_t sum) {
+  parallel_for(sums.size(), Grain{4}, [&](std::size_t sum) {
     const std::size_t first = begin + sum * kCellsPerSum;
     for (std::size_t n = first; n < std::min(end, first + kCellsPerSum); ++n) {
       const PartCell& cell = m_cells[n];

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "lib/relax/fine_offsets.h"
-#include "lib/relax/in_parallel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -151,7 +151,8 @@ double VolumeRelaxation::pass() {
   double largest = 0;
   for (const auto& bricks : m_work) {
     std::vector<double> steps(bricks.size());
-    in_parallel(bricks.size(), [&](std::size_t n) { steps[n] = sweep(bricks[n], relaxation); });
+    parallel_for(bricks.size(), Grain{4},
+                 [&](std::size_t n) { steps[n] = sweep(bricks[n], relaxation); });
     for (const double step : steps) largest = std::max(largest, step);
   }
   for (const VolumeClusters& clusters : m_clusters) {
@@ -175,8 +176,8 @@ double VolumeRelaxation::energy_of(std::size_t brick) const {
 
 double VolumeRelaxation::energy() {
   for (const auto& bricks : m_work) {
-    in_parallel(bricks.size(),
-                [&](std::size_t n) { m_energies[bricks[n]] = energy_of(bricks[n]); });
+    parallel_for(bricks.size(), Grain{4},
+                 [&](std::size_t n) { m_energies[bricks[n]] = energy_of(bricks[n]); });
   }
   double total = 0;
   for (const double energy : m_energies) total += energy;

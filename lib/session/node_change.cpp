@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -70,8 +70,8 @@ using BeforeAfter = std::pair<const BrickArray<T>*, const BrickArray<T>*>;
 template <class T>
 std::vector<BrickChange<T>> changes_of(const std::vector<BeforeAfter<T>>& arrays) {
   std::vector<std::optional<BrickChange<T>>> found(arrays.size());
-  tbb::parallel_for(std::size_t(0), arrays.size(),
-                    [&](std::size_t n) { found[n].emplace(*arrays[n].first, *arrays[n].second); });
+  parallel_for(arrays.size(),
+               [&](std::size_t n) { found[n].emplace(*arrays[n].first, *arrays[n].second); });
   std::vector<BrickChange<T>> changes;
   for (auto& change : found) changes.push_back(std::move(*change));
   return changes;
@@ -99,7 +99,7 @@ NodeChange::NodeChange(const StepNodes& before, const Body& after) {
 }
 
 void StepNodes::follow(const Body& body, const NodeChange& change) {
-  tbb::parallel_for(std::size_t(0), std::size_t(3), [&](std::size_t a) {
+  parallel_for(std::size_t(3), [&](std::size_t a) {
     change.m_integers[a].take_over(body.q[a], q[a]);
     change.m_fractions[a].take_over(body.fraction[a], fraction[a]);
     change.m_velocities[a].take_over(body.velocity_mm_s[a], velocity_mm_s[a]);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -54,7 +54,7 @@ BlockGradients::Sums BlockGradients::sum(const OfRow& of_row) const {
   if (chunks < kParallelChunks) {
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) sum_chunk(chunk);
   } else {
-    tbb::parallel_for(std::size_t(0), chunks, sum_chunk);
+    parallel_for(chunks, sum_chunk);
   }
   return std::accumulate(of_chunk.begin(), of_chunk.end(), Sums{});
 }

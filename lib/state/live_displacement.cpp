@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <limits>
 
-#include <tbb/parallel_for.h>
-
 #include "lib/state/state.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -53,8 +52,7 @@ std::vector<std::int32_t> LiveDisplacement::update(const std::array<BrickValues,
     if (is_stored(q, b)) m_extended.u.vectors.touch(std::size_t(m_brick_of[b]));
   }
   std::vector<std::uint8_t> is_changed(m_elements.brick_count());
-  tbb::parallel_for(std::size_t(0), is_changed.size(),
-                    [&](std::size_t b) { is_changed[b] = take_over(q, b); });
+  parallel_for(is_changed.size(), [&](std::size_t b) { is_changed[b] = take_over(q, b); });
   std::vector<std::int32_t> changed;
   for (std::size_t b = 0; b < is_changed.size(); ++b) {
     if (is_changed[b]) changed.push_back(m_brick_of[b]);

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/text.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/grid/labels.h"
@@ -209,7 +208,7 @@ Displacement displacement_of(const State& state) {
   }
   vectors.reserve(moved.size());
   for (const std::size_t b : moved) vectors.touch(b);
-  tbb::parallel_for(std::size_t(0), moved.size(), [&](std::size_t n) {
+  parallel_for(moved.size(), [&](std::size_t n) {
     Vec3f* const u = vectors.touch(moved[n]);
     for (int c = 0; c < 3; ++c) {
       const std::int32_t* const values = state.q[c].brick_or_zero(moved[n]);

@@ -5,10 +5,9 @@
 #include <filesystem>
 #include <limits>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/sha256.h"
 #include "volumes/base/text.h"
 #include "volumes/io/format/formats.h"
@@ -97,7 +96,7 @@ std::string digest_of(const DensityGrid& density, const BrickTopology& elements)
   constexpr std::size_t kBricksOfPart = 1024;
   const BrickTopology& bricks = density.bricks();
   std::vector<std::string> parts((bricks.brick_count() + kBricksOfPart - 1) / kBricksOfPart);
-  tbb::parallel_for(std::size_t(0), parts.size(), [&](std::size_t part) {
+  parallel_for(parts.size(), [&](std::size_t part) {
     Sha256 hash;
     const std::size_t end = std::min((part + 1) * kBricksOfPart, bricks.brick_count());
     for (std::size_t b = part * kBricksOfPart; b < end; ++b) {

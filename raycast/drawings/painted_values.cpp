@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oneapi/tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -48,7 +48,7 @@ double ValuePaint::share(double of) const {
 
 void paint_values(Image& slice, const Geometry& grid, const ValuePaint& paint,
                   const Geometry& geometry) {
-  tbb::parallel_for(0, slice.height, [&](int y) {
+  parallel_for(slice.height, [&](int y) {
     for (int x = 0; x < slice.width; ++x) {
       std::uint8_t* pixel = &slice.rgba[4 * (std::size_t(y) * slice.width + x)];
       if (pixel[3] == 0) continue;
@@ -67,7 +67,7 @@ void paint_values(Image& slice, const Geometry& grid, const ValuePaint& paint,
 void paint_values(FloatImage& picture, const Camera& camera, const ValuePaint& paint,
                   const Geometry& geometry) {
   const Vec3d forward = camera_frame(camera).forward;
-  tbb::parallel_for(0, picture.height, [&](int y) {
+  parallel_for(picture.height, [&](int y) {
     for (int x = 0; x < picture.width; ++x) {
       const std::size_t n = std::size_t(y) * picture.width + x;
       const double depth = picture.depth_mm[n];

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <numeric>
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -121,7 +120,7 @@ class SliceDrawing {
         m_pixels(std::size_t(m_width) * m_height) {}
 
   Image draw(const DensityAt& density) {
-    tbb::parallel_for(0, m_height, [&](int y) {
+    parallel_for(m_height, [&](int y) {
       for (int x = 0; x < m_width; ++x) look(x, y, density);
     });
     Image image(m_width, m_height);
@@ -185,7 +184,7 @@ class SliceDrawing {
 
   void draw_grid(Image& image) const {
     const RestGrid lines(m_geometry, m_slice, m_style.grid_mm);
-    tbb::parallel_for(0, m_height, [&](int y) {
+    parallel_for(m_height, [&](int y) {
       for (int x = 0; x < m_width; ++x) {
         Vec3d here, across, down;
         if (!pixel(x, y).is_inside || !rest_place(index_at(x, y), here) ||

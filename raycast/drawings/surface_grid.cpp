@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -100,7 +99,7 @@ void draw_surface_grid(FloatImage& picture, const Camera& camera, const Geometry
     throw InputError({"", "grid", "a picture without depths", "one with depths and normals"});
   }
   const GridPainter painter(picture, camera, geometry, grid, rest_place);
-  tbb::parallel_for(0, picture.height, [&](int y) {
+  parallel_for(picture.height, [&](int y) {
     for (int x = 0; x < picture.width; ++x) {
       if (!shows_tissue || shows_tissue(x, y)) painter.paint(x, y);
     }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oneapi/tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -101,7 +101,7 @@ std::vector<std::uint8_t> unchanged_pixels(const RenderContext& context, const C
   for (const std::size_t b : bricks) tiles.add(context.output.index().origin(b));
   const int width = context.settings.width;
   std::vector<std::uint8_t> unchanged(opaque_from_mm.size());
-  tbb::parallel_for(0, context.settings.height, [&](int y) {
+  parallel_for(context.settings.height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const std::size_t n = std::size_t(y) * width + x;
       unchanged[n] = opaque_from_mm[n] <= tiles.nearest(x, y);

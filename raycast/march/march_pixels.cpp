@@ -6,10 +6,8 @@
 #include <limits>
 #include <mutex>
 
-#include <oneapi/tbb/blocked_range2d.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include "raycast/march/blue_noise.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -104,21 +102,17 @@ std::int64_t march_pixels(const RenderContext& context, const Camera& camera,
   const int rows = (picture.height + spacing - 1) / spacing;
   SharedProgress shared(progress, std::int64_t(columns) * rows);
   std::atomic<std::int64_t> samples{0};
-  const tbb::blocked_range2d<int> all(0, rows, kTile, 0, columns, kTile);
-  tbb::parallel_for(
-      all,
-      [&](const tbb::blocked_range2d<int>& tile) {
-        PixelMarch march(context, camera, picture, marks);
-        for (int row = tile.rows().begin(); row < tile.rows().end(); ++row) {
-          for (int column = tile.cols().begin(); column < tile.cols().end(); ++column) {
-            const int x = column * spacing, y = row * spacing;
-            if (!lattice.has(x, y) && !march.is_there(x, y)) march.march(x, y);
-          }
-          shared.done(tile.cols().size());
-        }
-        samples += march.samples();
-      },
-      tbb::simple_partitioner());
+  parallel_tiles(rows, columns, Grain{kTile}, [&](const PixelTile& tile) {
+    PixelMarch march(context, camera, picture, marks);
+    for (int row = tile.row_begin; row < tile.row_end; ++row) {
+      for (int column = tile.column_begin; column < tile.column_end; ++column) {
+        const int x = column * spacing, y = row * spacing;
+        if (!lattice.has(x, y) && !march.is_there(x, y)) march.march(x, y);
+      }
+      shared.done(tile.column_end - tile.column_begin);
+    }
+    samples += march.samples();
+  });
   return samples;
 }
 

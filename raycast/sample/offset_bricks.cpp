@@ -5,8 +5,7 @@
 #include <cstring>
 #include <numeric>
 
-#include <oneapi/tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
@@ -163,7 +162,7 @@ void OffsetBricks::take_over(const VectorBricks& offsets) {
   for (const Vec3i& origin : near.origins()) add_brick(origin);
 
   const bool is_same = offsets.topology == source;
-  tbb::parallel_for(std::size_t(0), m_index.count(), [&](std::size_t b) {
+  parallel_for(m_index.count(), [&](std::size_t b) {
     if (near.find(m_index.origin(b)) >= 0) return;
     if (!is_same && !is_covered(b, offsets.topology)) return;
     m_states[b] = kIdentity;
@@ -207,8 +206,8 @@ void OffsetBricks::gather(const std::vector<std::size_t>& bricks,
       if (state < 0) state = m_offsets.take();
     }
     m_offsets.grow();
-    tbb::parallel_for(start, end,
-                      [&](std::size_t n) { found[n - start] = gather_brick(bricks[n], offsets); });
+    parallel_for(start, end,
+                 [&](std::size_t n) { found[n - start] = gather_brick(bricks[n], offsets); });
     for (std::size_t n = start; n < end; ++n) {
       if (found[n - start] == kDeformed) continue;
       std::int32_t& state = m_states[bricks[n]];
@@ -305,7 +304,7 @@ void OffsetBricks::mark_pointwise() {
 }
 
 void OffsetBricks::find_pointwise_ranges(const std::vector<std::size_t>& bricks) {
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+  parallel_for(bricks.size(), [&](std::size_t n) {
     const std::size_t b = bricks[n];
     if (!is_pointwise(b)) return;
     Vec3d lo, hi;

@@ -5,9 +5,8 @@
 #include <cmath>
 #include <thread>
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include "volumes/base/memory.h"
+#include "volumes/base/parallel.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/cell.h"
 
@@ -77,7 +76,7 @@ SourceBricks::SourceBricks(const DensityGrid& density, const BrickTopology& wher
 
 /// A cubic sample reads one node more on every side, of which the extremes do not tell.
 void SourceBricks::fill_all() {
-  tbb::parallel_for(std::size_t(0), m_ranges.size(), [&](std::size_t b) {
+  parallel_for(m_ranges.size(), [&](std::size_t b) {
     m_ranges[b] = fill(b);
     m_states[b] = kFilled;
   });
@@ -89,7 +88,7 @@ void SourceBricks::fill_all() {
 std::vector<BrickExtremes> SourceBricks::look_for_extremes() const {
   std::vector<BrickExtremes> extremes(m_topology.brick_count());
   const std::vector<float> background(kBrickVoxels, m_density.background());
-  tbb::parallel_for(std::size_t(0), extremes.size(), [&](std::size_t b) {
+  parallel_for(extremes.size(), [&](std::size_t b) {
     if (b + kAhead < extremes.size()) prefetch(values(b + kAhead));
     const float* const stored = values(b);
     extremes[b] = find_extremes(stored != nullptr ? stored : background.data(), m_topology.mask(b));
@@ -115,7 +114,7 @@ void SourceBricks::find_ranges() {
     integers = integers && extremes[b].integers;
   }
   choose_encoding(lo, hi, integers);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+  parallel_for(count, [&](std::size_t b) {
     float least = HUGE_VALF, largest = -HUGE_VALF;
     for (std::size_t part = 0; part < BrickExtremes::kParts; ++part) {
       const Vec3i step = cell_corner(int(part)) * kBrickDim;

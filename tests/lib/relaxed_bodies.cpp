@@ -6,7 +6,7 @@
 
 #include "lib/body/diagonals.h"
 #include "lib/body/lattice.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::test {
 

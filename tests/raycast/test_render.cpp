@@ -11,7 +11,7 @@
 #include "raycast/sample/sample_batch.h"
 #include "tests/raycast/scenes.h"
 #include "tests/support/program.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/procedural.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"

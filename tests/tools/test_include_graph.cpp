@@ -218,6 +218,16 @@ TEST(UnitIncludeGraph, HeavyHeadersStayBehindFewFiles) {
   EXPECT_LE(files.size(), 5u) << ::testing::PrintToString(files);
 }
 
+TEST(UnitIncludeGraph, NothingButParallelNamesTheLibraryOfThreads) {
+  static const std::regex library("\\btbb\\b");
+  std::set<std::string> files;
+  for (const std::string& file : product_files({".h", ".cpp"})) {
+    const std::string code = std::regex_replace(text_of(file), std::regex("//[^\n]*"), "");
+    if (std::regex_search(code, library)) files.insert(file);
+  }
+  EXPECT_EQ(files, std::set<std::string>{"volumes/base/parallel.h"});
+}
+
 TEST(UnitIncludeGraph, EveryTypeNameStandsForOneType) {
   static const std::regex definition(
       "(?:^|\n)(?:template ?<[^>]*>\\s*)?(?:struct|class|enum class|enum) "

@@ -15,7 +15,7 @@
 #include "tools/console/help.h"
 #include "tools/console/program_version.h"
 #include "volumes/base/memory.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/process.h"
 #include "volumes/base/signals.h"
 

@@ -1,5 +1,3 @@
-#include "volumes/base/process.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -12,8 +10,10 @@
 #include <fcntl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <tbb/task_arena.h>
 #include <unistd.h>
+
+#include "volumes/base/parallel.h"
+#include "volumes/base/process.h"
 
 namespace supple {
 
@@ -134,13 +134,12 @@ void run_in_child(const Problem& about, const ChildBounds& bounds,
   if (!pipe.open()) return;
   // The child has none of oneTBB's threads, one of which may have held a lock. An arena without
   // them, made before, asks for no lock.
-  tbb::task_arena alone(1);
-  alone.initialize();
+  OneThread alone;
   const pid_t child = ::fork();
   if (child < 0) return;
   if (child == 0) {
     confine(bounds);
-    alone.execute([&] { ::_exit(trial_status(pipe.ends[1], parse)); });
+    alone.run([&] { ::_exit(trial_status(pipe.ends[1], parse)); });
   }
   pipe.close(1);
   const std::string text = read_all(pipe.ends[0]);

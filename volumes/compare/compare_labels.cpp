@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -30,8 +30,8 @@ LabelOverlaps compare_labels(const Geometry& grid, const LabelLookup& a, const L
   LabelOverlaps all;
   std::vector<LabelOverlaps> rows(std::size_t(grid.dims().y));
   for (int k = 0; k < grid.dims().z; ++k) {
-    tbb::parallel_for(0, grid.dims().y,
-                      [&](int j) { rows[std::size_t(j)] = compare_rows(grid, k, j, a, b, mask); });
+    parallel_for(grid.dims().y,
+                 [&](int j) { rows[std::size_t(j)] = compare_rows(grid, k, j, a, b, mask); });
     for (const LabelOverlaps& row : rows) {
       for (const auto& [label, overlap] : row) {
         LabelOverlap& sum = all[label];

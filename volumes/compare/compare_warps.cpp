@@ -3,9 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/points/point_motion.h"
 
 namespace supple {
@@ -53,7 +52,7 @@ EndpointErrors compare_warps(const Warp& a, const Warp& b, const LabelLookup& ma
   std::vector<std::int64_t> outside(std::size_t(dims.y));
   if (progress != nullptr) progress->stage("comparing");
   for (int k = 0; k < dims.z; ++k) {
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       outside[std::size_t(j)] = 0;
       for (int i = 0; i < dims.x; ++i) {
         const std::size_t n = (std::size_t(k) * dims.y + j) * dims.x + i;

@@ -2,8 +2,7 @@
 
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -19,7 +18,7 @@ VectorBricks sample_function(const std::function<Vec3d(const Vec3d&)>& function,
                              const BrickTopology& where) {
   VectorBricks field{where, BrickVectors(where.brick_count())};
   field.vectors.touch_all();
-  tbb::parallel_for(std::size_t(0), where.brick_count(), [&](std::size_t b) {
+  parallel_for(where.brick_count(), [&](std::size_t b) {
     Vec3f* const vectors = field.vectors.touch(b);
     for_each_active(where.mask(b), [&](int offset) {
       vectors[offset] = Vec3f(function(Vec3d(where.origin(b) + brick_local(offset))));

@@ -4,8 +4,7 @@
 #include <array>
 #include <numeric>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/brick_lists.h"
 #include "volumes/grid/mask_steps.h"
 #include "volumes/grid/padded_rows.h"
@@ -137,14 +136,14 @@ VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_
   // Vectors of a ring are written beside the valid ones, which alone are read. Where no brick
   // around is stored the ring is of zeros, and its brick is not stored either.
   std::vector<Surroundings> around(pending.size());
-  tbb::parallel_for(std::size_t(0), pending.size(),
-                    [&](std::size_t n) { around[n] = surroundings_of(bricks, pending[n]); });
+  parallel_for(pending.size(),
+               [&](std::size_t n) { around[n] = surroundings_of(bricks, pending[n]); });
   std::vector<BrickMask> ring(pending.size());
   std::vector<std::uint8_t> moves(pending.size());
   std::vector<std::size_t> open(pending.size());  // numbers of those that still want voxels
   std::iota(open.begin(), open.end(), std::size_t(0));
   for (int number = 1; number <= max_rings && !open.empty(); ++number) {
-    tbb::parallel_for(std::size_t(0), open.size(), [&](std::size_t at) {
+    parallel_for(open.size(), [&](std::size_t at) {
       const std::size_t n = open[at], b = pending[n];
       ring[n] = next_ring(masks_around(around[n], mask_of), bricks.mask(b), valid[n]);
       moves[n] = any_bit(ring[n]) && is_stored(vectors, around[n]);
@@ -152,7 +151,7 @@ VectorBricks fill_rings(VectorBricks seed, const BrickTopology& target, int max_
     for (const std::size_t n : open) {
       if (moves[n]) vectors.touch(pending[n]);
     }
-    tbb::parallel_for(std::size_t(0), open.size(), [&](std::size_t at) {
+    parallel_for(open.size(), [&](std::size_t at) {
       const std::size_t n = open[at], b = pending[n];
       if (ring_of) {
         for_each_active(ring[n], [&](int offset) {
@@ -219,7 +218,7 @@ std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& ord
   }
   for (const std::int32_t b : bricks) field.vectors.touch(std::size_t(b));
   for (int number = 1; number <= last; ++number) {
-    tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    parallel_for(bricks.size(), [&](std::size_t n) {
       const std::size_t b = std::size_t(bricks[n]);
       Vec3f* const own = field.vectors.touch(b);
       if (order.last(b) < number) return;

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include <oneapi/tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -135,8 +135,7 @@ std::vector<float> b_spline_coefficients(const BrickTopology& where,
     }
     std::vector<std::vector<std::size_t>*> all;
     for (auto& [place, column] : columns) all.push_back(&column);
-    tbb::parallel_for(std::size_t(0), all.size(),
-                      [&](std::size_t n) { filter_column(where, *all[n], axis, nodes); });
+    parallel_for(all.size(), [&](std::size_t n) { filter_column(where, *all[n], axis, nodes); });
   }
   return nodes;
 }

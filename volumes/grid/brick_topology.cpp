@@ -5,9 +5,7 @@
 #include <cstring>
 #include <tuple>
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/cell.h"
 
 namespace supple {
@@ -77,7 +75,7 @@ BrickTopology::BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> 
     return origin_less(a.origin, b.origin);
   };
   if (!std::is_sorted(sources.begin(), sources.end(), comes_first)) {
-    tbb::parallel_sort(sources.begin(), sources.end(), comes_first);
+    parallel_sort(sources.begin(), sources.end(), comes_first);
   }
   const auto bricks = std::make_shared<Bricks>();
   std::vector<Vec3i> sorted;
@@ -95,7 +93,7 @@ BrickTopology::BrickTopology(std::vector<Vec3i> origins, std::vector<BrickMask> 
   bricks->index = BrickIndex(std::move(sorted));
   const BrickIndex& index = bricks->index;
   bricks->neighbours.resize(index.count());
-  tbb::parallel_for(std::size_t(0), index.count(), [&](std::size_t b) {
+  parallel_for(index.count(), [&](std::size_t b) {
     for (int face = 0; face < 6; ++face) {
       const Vec3i step(kFaces[face][0], kFaces[face][1], kFaces[face][2]);
       bricks->neighbours[b][face] = index.find(index.origin(b) + step);

@@ -5,8 +5,7 @@
 #include <memory>
 #include <numeric>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple {
@@ -78,8 +77,7 @@ class Pieces {
       : m_topology(topology),
         m_first(topology.brick_count() + 1, 0),
         m_labels(topology.brick_count()) {
-    tbb::parallel_for(std::size_t(0), topology.brick_count(),
-                      [&](std::size_t b) { m_first[b + 1] = label(b); });
+    parallel_for(topology.brick_count(), [&](std::size_t b) { m_first[b + 1] = label(b); });
     std::partial_sum(m_first.begin(), m_first.end(), m_first.begin());
   }
 
@@ -150,7 +148,7 @@ void unite_across(const BrickTopology& topology, const Pieces& pieces, std::size
 /// Voxels of every piece.
 std::vector<std::int64_t> piece_sizes(const BrickTopology& topology, const Pieces& pieces) {
   std::vector<std::int64_t> sizes(pieces.count(), 0);
-  tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
+  parallel_for(topology.brick_count(), [&](std::size_t b) {
     const BrickMask& mask = topology.mask(b);
     if (pieces.is_single(b))
       sizes[pieces.at(b, 0)] = mask_count(mask);
@@ -192,7 +190,7 @@ DisjointSets united(const BrickTopology& topology, const Pieces& pieces) {
 BrickTopology kept_pieces(const BrickTopology& topology, const Pieces& pieces,
                           const std::vector<char>& kept) {
   std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
-  tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
+  parallel_for(topology.brick_count(), [&](std::size_t b) {
     const BrickMask& mask = topology.mask(b);
     if (pieces.is_single(b)) {
       if (kept[pieces.at(b, 0)]) masks[b] = mask;

@@ -1,7 +1,6 @@
 #include "volumes/grid/density_leaf.h"
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/density_grid_vdb.h"
 
 namespace supple {
@@ -47,7 +46,7 @@ DensityGrid assemble_density_grid(BrickTopology bricks,
   std::vector<DensityLeaf> leaves(bricks.brick_count());
   std::vector<const float*> values(leaves.size());
   std::vector<BrickExtremes> extremes(leaves.size());
-  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t b) {
+  parallel_for(leaves.size(), [&](std::size_t b) {
     leaves[b] = take(b);
     activate(leaf_of(leaves[b].m_node.get()), bricks.mask(b), background);
     if (!leaves[b].m_extremes) leaves[b].note_extremes(bricks.mask(b));

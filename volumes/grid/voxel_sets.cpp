@@ -4,8 +4,7 @@
 #include <array>
 #include <map>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/mask_steps.h"
 
 namespace supple {
@@ -96,7 +95,7 @@ BrickTopology subtract(const BrickTopology& a, const BrickTopology& b) {
 BrickTopology eroded(const BrickTopology& topology) {
   std::vector<Vec3i> origins(topology.brick_count());
   std::vector<BrickMask> masks(topology.brick_count(), BrickMask{});
-  tbb::parallel_for(std::size_t(0), topology.brick_count(), [&](std::size_t b) {
+  parallel_for(topology.brick_count(), [&](std::size_t b) {
     origins[b] = topology.origin(b);
     // Voxels stay that touch no voxel that is not active.
     const auto absent = [](const BrickMask& mask) {

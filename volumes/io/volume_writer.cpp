@@ -3,8 +3,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include <tbb/task_group.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/io/bytes/value_type.h"
 
 namespace supple {
@@ -13,7 +12,7 @@ namespace {
 
 /// Does `work` beside the tasks of a group, which have ended when it returns or throws.
 template <class Work>
-void finishing(tbb::task_group& tasks, const Work& work) {
+void finishing(TaskGroup& tasks, const Work& work) {
   try {
     work();
   } catch (...) {
@@ -36,7 +35,7 @@ std::vector<std::string> write_image(const std::string& path, const DenseImage& 
   std::vector<char> next(slice.size());
   fill(0, slice.data());
   for (int k = 0; k < dims.z; ++k) {
-    tbb::task_group ahead;
+    TaskGroup ahead;
     if (k + 1 < dims.z) ahead.run([&] { fill(k + 1, next.data()); });
     finishing(ahead, [&] {
       writer->write_slice(slice.data());

@@ -5,9 +5,7 @@
 #include <filesystem>
 #include <functional>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/io/bytes/input_file.h"
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/bytes/value_type.h"
@@ -39,21 +37,21 @@ bool may_be_displacement(const VolumeHeader& header) {
 /// Converts one slice to floats in LPS; returns how many vectors are not finite.
 std::int64_t convert_slice(const VolumeHeader& header, const std::vector<char>& stored,
                            std::vector<double>& values, Vec3f* out) {
-  constexpr std::size_t kGrain = 4096;
+  constexpr Grain kGrain{4096};
   const auto scale_values = scale_values_of(header.type);
   const std::size_t bytes = 3 * std::size_t(bytes_of(header.type));
   const Vec3d to_lps = header.vectors_in_ras ? Vec3d(-1, -1, 1) : Vec3d(1);
-  const auto convert = [&](const tbb::blocked_range<std::size_t>& part, std::int64_t bad) {
-    scale_values(stored.data() + part.begin() * bytes, 3 * part.size(), header.slope,
-                 header.intercept, &values[3 * part.begin()]);
-    for (std::size_t n = part.begin(); n < part.end(); ++n) {
+  const auto convert = [&](std::size_t begin, std::size_t end, std::int64_t bad) {
+    scale_values(stored.data() + begin * bytes, 3 * (end - begin), header.slope, header.intercept,
+                 &values[3 * begin]);
+    for (std::size_t n = begin; n < end; ++n) {
       out[n] = Vec3f(Vec3d(values[3 * n], values[3 * n + 1], values[3 * n + 2]) * to_lps);
       bad += !(std::isfinite(out[n].x) && std::isfinite(out[n].y) && std::isfinite(out[n].z));
     }
     return bad;
   };
-  const tbb::blocked_range<std::size_t> whole(0, values.size() / 3, kGrain);
-  return tbb::parallel_reduce(whole, std::int64_t(0), convert, std::plus<std::int64_t>());
+  return reduce_ranges(values.size() / 3, kGrain, std::int64_t(0), convert,
+                       std::plus<std::int64_t>());
 }
 
 }  // namespace

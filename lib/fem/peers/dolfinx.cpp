@@ -6,11 +6,10 @@
 #include <filesystem>
 #include <fstream>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "lib/fem/peers/dolfinx_solve.h"
 #include "volumes/base/files.h"
 #include "volumes/base/json.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/process.h"
 #include "volumes/base/stopwatch.h"
 
@@ -63,8 +62,7 @@ bool DolfinxSolver::run(Progress* progress) {
   stage(progress, "starting DOLFINx");
   const ScratchFolder folder;
   write_problem(folder.path());
-  const std::size_t processes =
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const auto processes = std::size_t(thread_limit());
   const std::vector<std::string> python = {kPython, folder / "solve.py", folder.path(),
                                            number_text(m_tolerance),
                                            std::to_string(m_max_iterations)};

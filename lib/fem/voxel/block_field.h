@@ -8,11 +8,9 @@
 #include <cstring>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "lib/fem/voxel/element_groups.h"
 #include "lib/fem/voxel/group_kernel.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -169,13 +167,10 @@ template <class Scratch, class Visit>
 void for_blocks_by_colour(const HexMesh& mesh, const ElementGroups& groups,
                           const BlocksByColour& of_colour, Visit&& visit) {
   for (const std::vector<std::int32_t>& blocks : of_colour) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        Scratch scratch(mesh, groups);
-                        for (std::size_t n = range.begin(); n < range.end(); ++n) {
-                          visit(blocks[n], scratch);
-                        }
-                      });
+    parallel_ranges(blocks.size(), Grain{1}, [&](std::size_t begin, std::size_t end) {
+      Scratch scratch(mesh, groups);
+      for (std::size_t n = begin; n < end; ++n) visit(blocks[n], scratch);
+    });
   }
 }
 

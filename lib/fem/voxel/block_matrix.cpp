@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -32,13 +31,7 @@ struct ElementsAround {
   }
 };
 
-template <class Visit>
-void for_all_rows(NodeIndex count, Visit&& visit) {
-  tbb::parallel_for(tbb::blocked_range<NodeIndex>(0, count, 64),
-                    [&](const tbb::blocked_range<NodeIndex>& range) {
-                      for (NodeIndex n = range.begin(); n < range.end(); ++n) visit(n);
-                    });
-}
+constexpr Grain kRows{64};
 
 /// Neighbours of a node, itself included, ascending.
 void neighbours_of(const HexMesh& mesh, const ElementsAround& around, NodeIndex node,
@@ -70,7 +63,7 @@ Four<T> four_at(const T* values) {
 
 template <class T>
 void BlockMatrix<T>::subtract(const T* x, T* y) const {
-  for_all_rows(NodeIndex(rows()), [&](NodeIndex row) {
+  parallel_for(NodeIndex(rows()), kRows, [&](NodeIndex row) {
     // One sum per column of the blocks; the fourth lane has what lies behind.
     Four<T> sums[3] = {};
     for (std::int64_t n = row_begin[row]; n < row_begin[row + 1]; ++n) {
@@ -107,7 +100,7 @@ BlockMatrix<T> assemble(const HexMesh& mesh, const CellMatrices& matrices) {
   const ElementsAround around(mesh, matrices);
   BlockMatrix<T> out;
   out.row_begin.assign(mesh.node_count() + 1, 0);
-  for_all_rows(mesh.node_count(), [&](NodeIndex node) {
+  parallel_for(mesh.node_count(), kRows, [&](NodeIndex node) {
     std::vector<NodeIndex> columns;
     neighbours_of(mesh, around, node, columns);
     out.row_begin[node + 1] = std::int64_t(columns.size());
@@ -115,7 +108,7 @@ BlockMatrix<T> assemble(const HexMesh& mesh, const CellMatrices& matrices) {
   for (NodeIndex n = 0; n < mesh.node_count(); ++n) out.row_begin[n + 1] += out.row_begin[n];
   out.column.resize(out.row_begin.back());
   out.blocks.resize(out.row_begin.back());
-  for_all_rows(mesh.node_count(), [&](NodeIndex node) {
+  parallel_for(mesh.node_count(), kRows, [&](NodeIndex node) {
     std::vector<NodeIndex> columns;
     neighbours_of(mesh, around, node, columns);
     std::vector<std::array<double, 9>> sums(columns.size());

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -105,14 +104,6 @@ struct ChildLists {
   }
 };
 
-template <class Visit>
-void for_all(std::size_t count, Visit&& visit) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
-                    });
-}
-
 }  // namespace
 
 SymmetricMatrix24::SymmetricMatrix24(const Matrix24& whole) {
@@ -143,7 +134,7 @@ CellMatrices CellMatrices::of_voxels(const HexMesh& voxels, const VoxelMaterial&
   }
   out.m_matrices.resize(free.size());
   const MatrixParts parts(material.matrix);
-  for_all(out.size(), [&](std::size_t n) {
+  parallel_for(out.size(), [&](std::size_t n) {
     const std::size_t e = free[n];
     Matrix24 matrix{};
     parts.add_to(matrix, material.moduli, material.classes[e]);
@@ -157,7 +148,7 @@ CellMatrices CellMatrices::of_cells(const CellClasses& cells, const VoxelMateria
   CellMatrices out;
   out.m_matrices.resize(cells.present.size());
   const ChildParts parts(material.matrix);
-  for_all(out.size(), [&](std::size_t cell) {
+  parallel_for(out.size(), [&](std::size_t cell) {
     out.m_matrices[cell] = SymmetricMatrix24(cell_matrix(cells, cell, material, parts));
   });
   return out;
@@ -178,7 +169,7 @@ CellMatrices CellMatrices::of_large_cells(const HexMesh& cells_mesh, const Coars
     }
   }
   const ChildLists lists(cells_mesh, coarsening, count);
-  for_all(out.size(), [&](std::size_t large) {
+  parallel_for(out.size(), [&](std::size_t large) {
     Matrix24 sum{};
     for (std::int32_t n = lists.begin[large]; n < lists.begin[large + 1]; ++n) {
       const std::size_t cell = std::size_t(lists.child[n]);
@@ -207,7 +198,7 @@ CellMatrices CellMatrices::coarser(const HexMesh& mesh, const Coarsening& coarse
   CellMatrices out;
   out.m_matrices.resize(count);
   const ChildLists lists(mesh, coarsening, count);
-  for_all(out.size(), [&](std::size_t large) {
+  parallel_for(out.size(), [&](std::size_t large) {
     Matrix24 sum{};
     for (std::int32_t n = lists.begin[large]; n < lists.begin[large + 1]; ++n) {
       const std::size_t cell = std::size_t(lists.child[n]);

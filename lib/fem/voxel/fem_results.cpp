@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include "lib/fem/small_matrix.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/finite_strain.h"
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -116,40 +113,32 @@ std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& ma
                                   const std::vector<double>& u_mm, FemQuantity quantity,
                                   StrainTheory theory) {
   std::vector<float> values(voxels.offset.size());
-  tbb::parallel_for(
-      tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
-      [&](const tbb::blocked_range<std::int32_t>& range) {
-        for (std::int32_t e = range.begin(); e < range.end(); ++e) {
-          values[e] = float(value_of(element_state(voxels, material, u_mm, e, theory), quantity));
-        }
-      });
+  parallel_for(voxels.element_count(), Grain{256}, [&](std::int32_t e) {
+    values[e] = float(value_of(element_state(voxels, material, u_mm, e, theory), quantity));
+  });
   return values;
 }
 
 LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& material,
                              const std::vector<double>& u_mm, StrainTheory theory,
                              const MotionLimits& limits) {
-  const auto of_range = [&](const tbb::blocked_range<std::int32_t>& range, LargestMotion sum) {
-    for (std::int32_t e = range.begin(); e < range.end(); ++e) {
-      const ElementState state = element_state(voxels, material, u_mm, e, theory);
-      const std::array<double, 3> principal = eigenvalues(state.strain);
-      LargestMotion own;
-      own.rotation_deg = state.rotation_rad.length() * kDegreesPerRadian;
-      own.strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
-      own.beyond = own.rotation_deg > limits.rotation_deg || own.strain > limits.strain;
-      if (own.rotation_deg > sum.rotation_deg || own.strain > sum.strain) {
-        own.turned = own.strained = voxels.cell_of(e);
-      }
-      sum.take(own);
+  const auto add = [&](std::int32_t e, LargestMotion& sum) {
+    const ElementState state = element_state(voxels, material, u_mm, e, theory);
+    const std::array<double, 3> principal = eigenvalues(state.strain);
+    LargestMotion own;
+    own.rotation_deg = state.rotation_rad.length() * kDegreesPerRadian;
+    own.strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
+    own.beyond = own.rotation_deg > limits.rotation_deg || own.strain > limits.strain;
+    if (own.rotation_deg > sum.rotation_deg || own.strain > sum.strain) {
+      own.turned = own.strained = voxels.cell_of(e);
     }
-    return sum;
+    sum.take(own);
   };
   const auto join = [](LargestMotion a, const LargestMotion& b) {
     a.take(b);
     return a;
   };
-  return tbb::parallel_reduce(tbb::blocked_range<std::int32_t>(0, voxels.element_count(), 256),
-                              LargestMotion{}, of_range, join);
+  return parallel_reduce(voxels.element_count(), Grain{256}, LargestMotion{}, add, join);
 }
 
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,

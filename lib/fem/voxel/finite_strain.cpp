@@ -158,7 +158,7 @@ NodeTurns::NodeTurns(const HexMesh& mesh, const VoxelMaterial& material, const H
   for (std::array<float, 9>& turn : m_turns) turn.fill(0);
   // Sums of F - 1, by elements of one colour at a time.
   for (const std::vector<std::int32_t>& blocks : mesh.of_colour) {
-    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t n) {
+    parallel_for(blocks.size(), [&](std::size_t n) {
       const std::size_t block = std::size_t(blocks[n]);
       for (auto e = mesh.element_begin[block]; e < mesh.element_begin[block + 1]; ++e) {
         const Corners corners = mesh.corners_in(block, e);

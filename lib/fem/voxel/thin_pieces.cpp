@@ -6,11 +6,9 @@
 #include <map>
 #include <utility>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "lib/fem/voxel/block_matrix.h"
 #include "lib/fem/voxel/element_matrix.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -102,13 +100,7 @@ Vec3d way_to(const HexMesh& mesh, std::size_t block, int offset, int corner) {
   return axes[0] * cells.x + axes[1] * cells.y + axes[2] * cells.z;
 }
 
-template <class Visit>
-void for_pieces(std::size_t count, Visit&& visit) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t n = range.begin(); n < range.end(); ++n) visit(n);
-                    });
-}
+constexpr Grain kPieces{16};
 
 }  // namespace
 
@@ -201,8 +193,7 @@ BlockMatrix<double> ThinPieces::stiffness_of(const HexMesh& voxels, const VoxelM
     }
   };
   for (const std::vector<std::int32_t>& blocks : m_groups.blocks) {
-    tbb::parallel_for(std::size_t(0), blocks.size(),
-                      [&](std::size_t n) { add_block(std::size_t(blocks[n])); });
+    parallel_for(blocks.size(), [&](std::size_t n) { add_block(std::size_t(blocks[n])); });
   }
   std::map<PiecePair, Matrix6> sums;
   for (const auto& of_block : of_blocks) {
@@ -220,7 +211,7 @@ void ThinPieces::take_forces(const float* r) {
 }
 
 void ThinPieces::add_forces(const float* r) {
-  for_pieces(count(), [&](std::size_t piece) {
+  parallel_for(count(), kPieces, [&](std::size_t piece) {
     Vec3d force(0.0), moment(0.0);
     for (std::size_t n = m_begin[piece]; n < m_begin[piece + 1]; ++n) {
       const Member& member = m_members[n];
@@ -243,7 +234,7 @@ void ThinPieces::solve() {
 }
 
 void ThinPieces::add_motions(float* z) const {
-  for_pieces(count(), [&](std::size_t piece) {
+  parallel_for(count(), kPieces, [&](std::size_t piece) {
     for (std::size_t n = m_begin[piece]; n < m_begin[piece + 1]; ++n) {
       const Member& member = m_members[n];
       const Vec3f moved = moved_by(&m_motions[6 * piece], member.arm);
@@ -255,7 +246,7 @@ void ThinPieces::add_motions(float* z) const {
 }
 
 void ThinPieces::clear(float* z) const {
-  for_pieces(count(), [&](std::size_t piece) {
+  parallel_for(count(), kPieces, [&](std::size_t piece) {
     for (std::size_t n = m_begin[piece]; n < m_begin[piece + 1]; ++n) {
       std::fill_n(z + 3 * std::size_t(m_members[n].node), 3, 0.0F);
     }

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include "lib/fem/voxel/element_matrix.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -60,12 +58,8 @@ void Transfer::prolong(const float* coarse, const ShortFloat* inverse_diagonal, 
       fine[at] = inverse_diagonal[at] == 0 ? 0 : sum[a];
     }
   };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, m_fine->block_count(), 1),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t b = range.begin(); b < range.end(); ++b) {
-                        for_nodes_of_block(b, prolong_to);
-                      }
-                    });
+  parallel_for(std::size_t(m_fine->block_count()),
+               [&](std::size_t b) { for_nodes_of_block(b, prolong_to); });
 }
 
 void Transfer::restrict_to(const float* fine, const ShortFloat* inverse_diagonal,
@@ -84,12 +78,8 @@ void Transfer::restrict_to(const float* fine, const ShortFloat* inverse_diagonal
     }
   };
   for (const std::vector<std::int32_t>& blocks : m_fine->of_colour) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, blocks.size(), 1),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t b = range.begin(); b < range.end(); ++b) {
-                          for_nodes_of_block(std::size_t(blocks[b]), restrict_from);
-                        }
-                      });
+    parallel_for(blocks.size(),
+                 [&](std::size_t b) { for_nodes_of_block(std::size_t(blocks[b]), restrict_from); });
   }
 }
 

@@ -2,8 +2,7 @@
 
 #include <memory>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -155,11 +154,8 @@ std::uint32_t first_corner(const CornerVoxels& around, const TouchingRule& rule,
 }
 
 template <class Visit>
-void for_all_blocks(const HexMesh& mesh, Visit&& visit) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.block_count(), 8),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t b = range.begin(); b < range.end(); ++b) visit(b);
-                    });
+void for_all_blocks(const HexMesh& mesh, const Visit& visit) {
+  parallel_for(std::size_t(mesh.block_count()), Grain{8}, visit);
 }
 
 /// A corner that another element met first, until that one's number is known.

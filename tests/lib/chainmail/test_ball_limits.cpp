@@ -3,7 +3,7 @@
 
 #include "lib/chainmail/ball_limits.h"
 #include "tests/lib/test_bodies.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

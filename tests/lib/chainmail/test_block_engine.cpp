@@ -7,7 +7,7 @@
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/reference/thesis_ecm.h"
 #include "tests/lib/test_bodies.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -9,7 +9,7 @@
 #include "lib/relax/cell_volume.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/lib/test_bodies.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -9,7 +9,7 @@
 #include "tests/lib/quadratic_program.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/support/sanitized.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -6,7 +6,7 @@
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "lib/springs/block_gradients.h"
 #include "lib/springs/block_ldlt.h"
@@ -11,6 +10,7 @@
 #include "lib/springs/minimise.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -116,7 +116,7 @@ TEST(UnitBlockGradients, ItsSolutionIsAsNearAsAskedForWithAnyNumberOfThreads) {
       EXPECT_LE(rest, tolerance * 1.01);
       EXPECT_LE(rest, last);
       last = rest;
-      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
+      const ThreadLimit limit(1);
       gradients.solve(alone, tolerance, nullptr);
       EXPECT_EQ(x, alone);
     }

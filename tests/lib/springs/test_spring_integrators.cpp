@@ -12,7 +12,7 @@
 #include "lib/springs/xpbd.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -7,7 +7,7 @@
 #include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/procedural.h"
 
 using namespace supple;

@@ -12,7 +12,7 @@
 #include "tests/support/sanitized.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"

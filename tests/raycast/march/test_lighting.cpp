@@ -6,7 +6,7 @@
 #include "raycast/march/light_volume.h"
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/procedural.h"
 
 namespace supple {

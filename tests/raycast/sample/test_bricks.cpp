@@ -5,13 +5,13 @@
 #include <random>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/parallel_for.h>
 
 #include "raycast/march/embree_bounds.h"
 #include "raycast/sample/classify.h"
 #include "raycast/sample/offset_bricks.h"
 #include "tests/raycast/scenes.h"
 #include "tests/support/scalar_sampling.h"
+#include "volumes/base/parallel.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -96,7 +96,7 @@ TEST(UnitBricks, BricksAreFilledWhenTheyAreRead) {
   const SourceBricks bricks(grid_of(where, [](const Vec3d& p) { return p.x + 100 * p.y; }));
   const std::size_t before = bricks.bytes();
   const std::size_t of_brick = SourceBricks::kBrickNodes * sizeof(std::int16_t);
-  tbb::parallel_for(0, 64, [&](int n) {
+  parallel_for(64, [&](int n) {
     const Vec3i local(n & 7, n >> 3, 3);
     EXPECT_EQ(*bricks.node(5, local),
               std::int16_t(where.origin(5).x + local.x + 100 * (where.origin(5).y + local.y)));

@@ -3,9 +3,8 @@
 #include <mutex>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/parallel_for.h>
 
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 namespace {
@@ -26,7 +25,9 @@ bool all_meet(int items, int threads) {
       given_up = true;
     }
   };
-  on_threads(threads, [&] { tbb::parallel_for(0, items, 1, meet, tbb::simple_partitioner()); });
+  on_threads(threads, [&] {
+    parallel_tiles(items, 1, Grain{1}, [&](const PixelTile& tile) { meet(tile.row_begin); });
+  });
   return !given_up;
 }
 

@@ -6,11 +6,10 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include "tests/support/sanitized.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/process.h"
 
 namespace supple::test {
@@ -94,12 +93,12 @@ TEST(FaultRunInChild, WaitingForeverIsStopped) {
 /// Threads of the caller that are about to fall asleep hold locks, for a moment: without an arena
 /// of its own about one child in 2,000 waits forever.
 TEST(UnitRunInChild, RunsParallelLoopsAlone) {
-  const tbb::global_control more(tbb::global_control::max_allowed_parallelism, 6);
+  const ThreadLimit more(6);
   ChildBounds bounds = kBounds;
   bounds.seconds = 20;
   std::atomic<int> sum{0};
   const auto loop = [&] {
-    tbb::parallel_for(0, 64, [&](int n) {
+    parallel_for(64, [&](int n) {
       for (int k = 0; k < 200; ++k) sum += n & 1;
     });
   };

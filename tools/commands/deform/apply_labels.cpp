@@ -3,10 +3,9 @@
 #include <atomic>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include "tools/commands/deform/moved_places.h"
 #include "volumes/base/json.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/dense/grid_positions.h"
 
 namespace supple::tools {
@@ -29,7 +28,7 @@ LabelReport write(const std::string& path, const StoredLabels& labels, const Geo
   console.stage("writing");
   for (int k = 0; k < dims.z; ++k) {
     std::vector<char> slice(voxels * bytes, 0);
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
         Vec3d place;
         if (find(i, j, k, place)) {

@@ -1,7 +1,6 @@
 #include "tools/commands/deform/moved_places.h"
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {
@@ -43,8 +42,8 @@ MovedPlaces move_all(const PointMotion& motion, const std::vector<Vec3d>& points
   moved.points.resize(points_lps_mm.size());
   for (std::size_t begin = 0; begin < points_lps_mm.size(); begin += kChunk) {
     const std::size_t end = std::min(begin + kChunk, points_lps_mm.size());
-    tbb::parallel_for(begin, end,
-                      [&](std::size_t n) { moved.points[n] = motion.move(points_lps_mm[n]); });
+    parallel_for(begin, end,
+                 [&](std::size_t n) { moved.points[n] = motion.move(points_lps_mm[n]); });
     report(&console, double(end) / double(points_lps_mm.size()));
   }
   count(moved);

@@ -5,7 +5,6 @@
 #include <thread>
 
 #include <fcntl.h>
-#include <oneapi/tbb/global_control.h>
 #include <unistd.h>
 
 #include "tools/console/command.h"
@@ -14,6 +13,7 @@
 #include "tools/lab/bench/report/row_filter.h"
 #include "tools/lab/bench/report/timing.h"
 #include "tools/scene/peers/peer_process.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/io/bytes/byte_source.h"
@@ -216,8 +216,7 @@ BenchReport bench_io(const IoBenchOptions& options, Console& console) {
   const std::vector<IoRow> plan = plan_io(options);
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(threads));
+  const ThreadLimit limit(threads);
   BenchReport report{"io", measure_machine(), {}};
   const RoundLimits limits = options.quick ? RoundLimits{3, 5, 1000} : RoundLimits{5, 15, 4000};
   const ScratchFolder folder;

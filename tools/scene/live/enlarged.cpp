@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -33,7 +33,7 @@ Image enlarged(const Image& image, int width, int height) {
   large.has_alpha = image.has_alpha;
   const std::vector<Between> across = places_between(width, image.width);
   const std::vector<Between> down = places_between(height, image.height);
-  tbb::parallel_for(0, height, [&](int y) {
+  parallel_for(height, [&](int y) {
     const std::uint8_t* upper = &image.rgba[std::size_t(down[y].low) * image.width * 4];
     const std::uint8_t* lower = &image.rgba[std::size_t(down[y].high) * image.width * 4];
     std::uint8_t* out = &large.rgba[std::size_t(y) * width * 4];

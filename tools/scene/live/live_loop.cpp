@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <thread>
 
-#include <tbb/task_arena.h>
-
 #include "volumes/base/memory.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -69,8 +68,7 @@ void LiveLoop::GivingWay::look() const {
   if (begun < m_next || m_failed) return;
   m_next = Clock::time_point::max();
   try {
-    tbb::this_task_arena::isolate(
-        [&] { m_loop.look_meanwhile(m_mailbox, begun - m_begun > kShort); });
+    in_isolation([&] { m_loop.look_meanwhile(m_mailbox, begun - m_begun > kShort); });
   } catch (...) {
     m_loop.m_failure = std::current_exception();
     m_failed = true;

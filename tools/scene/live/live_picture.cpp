@@ -5,13 +5,11 @@
 #include <cmath>
 #include <mutex>
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include "raycast/progressive.h"
 #include "tools/scene/live/live_body.h"
 #include "tools/scene/run/staging.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -371,17 +369,14 @@ const Displacement& LivePicture::displacement() const {
 double LivePicture::longest_mm() const {
   const State& state = m_impl->body.opened();
   const VectorBricks& u = m_impl->body.displacement().u;
-  return std::sqrt(tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, u.vectors.brick_count()), 0.0,
-      [&](const tbb::blocked_range<std::size_t>& range, double most) {
-        for (std::size_t b = range.begin(); b < range.end(); ++b) {
-          const Vec3f* const vectors = u.vectors.brick(b);
-          for (int n = 0; vectors != nullptr && n < kBrickVoxels; ++n) {
-            const Vec3d mm = state.geometry.world_vector_from_index(Vec3d(vectors[n]));
-            most = std::max(most, mm.dot(mm));
-          }
+  return std::sqrt(parallel_reduce(
+      u.vectors.brick_count(), Grain{1}, 0.0,
+      [&](std::size_t b, double& most) {
+        const Vec3f* const vectors = u.vectors.brick(b);
+        for (int n = 0; vectors != nullptr && n < kBrickVoxels; ++n) {
+          const Vec3d mm = state.geometry.world_vector_from_index(Vec3d(vectors[n]));
+          most = std::max(most, mm.dot(mm));
         }
-        return most;
       },
       [](double a, double b) { return std::max(a, b); }));
 }

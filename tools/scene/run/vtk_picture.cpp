@@ -5,10 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include "tools/scene/peers/vtk_peer.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/io/volume_writer.h"
 
@@ -62,7 +60,7 @@ class VtkFrame {
 ValueType type_of(const DensityGrid& density) {
   using Limits = std::numeric_limits<std::int16_t>;
   std::atomic<bool> fits{true};
-  tbb::parallel_for(std::size_t(0), density.bricks().brick_count(), [&](std::size_t b) {
+  parallel_for(density.bricks().brick_count(), [&](std::size_t b) {
     const float* const values = density.values(b);
     const bool all = std::all_of(values, values + kBrickVoxels, [](float value) {
       return value == std::rint(value) && value >= Limits::min() && value <= Limits::max();
@@ -79,7 +77,7 @@ ScalarSliceSource slices_of(const PosedVolume& subject) {
   }
   return [&subject](int k, float* out) {
     const Vec3i& dims = subject.geometry.dims();
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
         out[std::size_t(j) * dims.x + i] = subject.density.at({i, j, k});
       }
@@ -147,10 +145,8 @@ FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Progre
                [&](int k, float* out) { slices(frame.source_slice(k), out); });
   RenderSettings settings = view_settings(view);
   for (Light& light : settings.lighting.lights) light = frame.from_world(light);
-  const std::size_t threads =
-      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  vtk.open(vtk_job(volume, frame.from_world(camera_of(subject, view)), look, settings, int(threads),
-                   true));
+  vtk.open(vtk_job(volume, frame.from_world(camera_of(subject, view)), look, settings,
+                   thread_limit(), true));
   const Vec3d spacing = subject.geometry.spacing_mm();
   const double step_mm = settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
   vtk.draw({step_mm, settings.lighting.model != ShadingModel::none, false, picture});

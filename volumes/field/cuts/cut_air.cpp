@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/cuts/cut_body.h"
 #include "volumes/grid/mask_steps.h"
 #include "volumes/grid/padded_rows.h"
@@ -206,8 +205,8 @@ BrickMask CutBody::contested_in(const VectorBricks& u, std::size_t b) const {
 /// Finds contested air; returns those of the bricks in which it has changed.
 BrickList CutBody::find_contested(const VectorBricks& u, const BrickList& around) {
   std::vector<BrickMask> found(around.size());
-  tbb::parallel_for(std::size_t(0), around.size(),
-                    [&](std::size_t n) { found[n] = contested_in(u, std::size_t(around[n])); });
+  parallel_for(around.size(),
+               [&](std::size_t n) { found[n] = contested_in(u, std::size_t(around[n])); });
   BrickList changed;
   for (std::size_t n = 0; n < around.size(); ++n) {
     const auto b = std::size_t(around[n]);
@@ -224,7 +223,7 @@ BrickList CutBody::find_contested(const VectorBricks& u, const BrickList& around
 BrickList CutBody::find_air(const BrickList& bricks) {
   static constexpr BrickMask kNone{};
   std::vector<BrickMask> found(bricks.size());
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+  parallel_for(bricks.size(), [&](std::size_t n) {
     const auto b = std::size_t(bricks[n]);
     const auto contested_of = [&](std::int32_t m) -> const BrickMask& {
       const OfBrick* const brick = m_bricks[std::size_t(m)].get();

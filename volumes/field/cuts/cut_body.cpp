@@ -4,8 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/source_cells.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/mask_steps.h"
@@ -174,7 +173,7 @@ void CutBody::mark_beside_cuts(const BrickList& bricks) {
 CutBody::Changes CutBody::follow(const VectorBricks& u, const BrickList& changed) {
   const BrickList newly_cut = std::exchange(m_newly_cut, {});
   const BrickList around = with_neighbours(m_voxels, changed);
-  tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
+  parallel_for(changed.size(), [&](std::size_t n) {
     const auto b = std::size_t(changed[n]);
     m_moves[b] = {};
     const std::int32_t own = m_elements.find(m_voxels.origin(b));
@@ -193,8 +192,8 @@ CutBody::Changes CutBody::follow(const VectorBricks& u, const BrickList& changed
     return m_bricks[b] != nullptr;
   });
   std::vector<std::uint8_t> is_other(linked.size());
-  tbb::parallel_for(std::size_t(0), linked.size(),
-                    [&](std::size_t n) { is_other[n] = cut_links_in(u, std::size_t(linked[n])); });
+  parallel_for(linked.size(),
+               [&](std::size_t n) { is_other[n] = cut_links_in(u, std::size_t(linked[n])); });
   Changes changes;
   for (std::size_t n = 0; n < linked.size(); ++n) {
     if (is_other[n]) changes.links.push_back(linked[n]);
@@ -209,7 +208,7 @@ CutBody::Changes CutBody::follow(const VectorBricks& u, const BrickList& changed
   std::sort(beside.begin(), beside.end());
   beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
   is_other.assign(beside.size(), 0);
-  tbb::parallel_for(std::size_t(0), beside.size(), [&](std::size_t n) {
+  parallel_for(beside.size(), [&](std::size_t n) {
     std::vector<PartedCell> parted = find_parted(std::size_t(beside[n]));
     is_other[n] = parted != m_parted[std::size_t(beside[n])];
     m_parted[std::size_t(beside[n])] = std::move(parted);

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/mask_steps.h"
 #include "volumes/grid/padded_rows.h"
@@ -115,9 +114,8 @@ BrickList CutExtension::find_beside(const CutBody& body, const BrickList& parted
   std::sort(parted.begin(), parted.end());
   parted.erase(std::unique(parted.begin(), parted.end()), parted.end());
   std::vector<BrickMask> beside(parted.size());
-  tbb::parallel_for(std::size_t(0), parted.size(), [&](std::size_t n) {
-    beside[n] = beside_parted(body, std::size_t(parted[n]));
-  });
+  parallel_for(parted.size(),
+               [&](std::size_t n) { beside[n] = beside_parted(body, std::size_t(parted[n])); });
   BrickList changed;
   for (std::size_t n = 0; n < parted.size(); ++n) {
     const auto b = std::size_t(parted[n]);
@@ -164,7 +162,7 @@ void CutExtension::plan(const CutBody& body, const BrickList& bricks) {
   }
   for (int ring = 1; ring <= kRingsOfSide; ++ring) {
     std::vector<std::vector<int>> later(bricks.size());  // next to no voxel of their own side yet
-    tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    parallel_for(bricks.size(), [&](std::size_t n) {
       const auto b = std::size_t(bricks[n]);
       OfBrick& brick = *m_bricks[b];
       std::vector<Carrier>& all = brick.carriers[std::size_t(ring)];
@@ -193,7 +191,7 @@ void CutExtension::fill(VectorBricks& u, const BrickList& bricks) const {
   };
   for (std::size_t ring = 1; ring <= kRingsOfSide; ++ring) {
     std::vector<std::vector<Vec3f>> values(bricks.size());
-    tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+    parallel_for(bricks.size(), [&](std::size_t n) {
       const OfBrick& brick = *m_bricks[std::size_t(bricks[n])];
       std::int32_t next = 0;
       for (const Filled& filled : brick.filled[ring]) {

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/source_cells.h"
 #include "volumes/grid/cell.h"
@@ -96,7 +95,7 @@ void CutInversion::follow(const VectorBricks& u, const TornCells& torn, const Cu
 
 /// Corners of the cells of a brick lie in it and in its upper neighbours.
 void CutInversion::follow_moves(const VectorBricks& u, const DisplacedBricks& changed) {
-  tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
+  parallel_for(changed.size(), [&](std::size_t n) {
     const auto b = std::size_t(changed[n].number);
     CutBox move;
     if (u.vectors.brick(b) == nullptr) {
@@ -148,7 +147,7 @@ void CutInversion::make_sides(const VectorBricks& u, const TornCells& torn, cons
     return m_sources[b] != nullptr || !torn.in(b).empty();
   });
   std::vector<std::vector<CutPiece>> found(changed.size());
-  tbb::parallel_for(std::size_t(0), changed.size(), [&](std::size_t n) {
+  parallel_for(changed.size(), [&](std::size_t n) {
     const auto b = std::size_t(changed[n]);
     const bool sees_others =
         std::binary_search(faces_changed.begin(), faces_changed.end(), changed[n]);
@@ -232,7 +231,7 @@ void CutInversion::find_near(const VectorBricks& u, const TornCells& torn,
   });
   std::vector<std::vector<Vec3i>> near(looked_at.size());
   std::vector<Counts> counts(looked_at.size());
-  tbb::parallel_for(std::size_t(0), looked_at.size(), [&](std::size_t n) {
+  parallel_for(looked_at.size(), [&](std::size_t n) {
     const auto b = std::size_t(looked_at[n]);
     if (source(b) != nullptr) {
       for (const CutPiece& side : source(b)->sides) add_bricks_of(box_of(side, kNearFace), near[n]);

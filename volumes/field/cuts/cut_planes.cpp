@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -86,7 +86,7 @@ void CutPlanes::fit(const CutPlanes& known) {
       is_known[std::size_t(points[n])] = 1;
     }
   }
-  tbb::parallel_for(std::size_t(0), m_points.size(), [&](std::size_t n) {
+  parallel_for(m_points.size(), [&](std::size_t n) {
     if (is_known[n]) return;
     Point& point = m_points[n];
     std::vector<Vec3d> near;

@@ -5,8 +5,7 @@
 #include <map>
 #include <tuple>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/cuts/cut_faces.h"
 #include "volumes/grid/cell.h"
 
@@ -137,8 +136,7 @@ void CutFaces::mark_open(std::size_t b) {
 
 BrickList CutFaces::follow(const TornCells& torn, const CutBody& body, const BrickList& changed) {
   const auto in_parallel = [](const BrickList& bricks, auto&& visit) {
-    tbb::parallel_for(std::size_t(0), bricks.size(),
-                      [&](std::size_t n) { visit(n, std::size_t(bricks[n])); });
+    parallel_for(bricks.size(), [&](std::size_t n) { visit(n, std::size_t(bricks[n])); });
   };
   // Cut links between sides that are apart.
   const BrickList beside = with_upper_neighbours(m_bricks, changed);

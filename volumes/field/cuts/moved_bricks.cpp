@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -30,7 +30,7 @@ const DisplacedBrick* find_moved(const DisplacedBricks& moved, std::int32_t numb
 }
 
 KeptVectors::KeptVectors(const VectorBricks& u, const BrickList& bricks) : m_kept(bricks.size()) {
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+  parallel_for(bricks.size(), [&](std::size_t n) {
     m_kept[n].number = bricks[n];
     const Vec3f* const vectors = u.vectors.brick_or_zero(std::size_t(bricks[n]));
     m_kept[n].before.assign(vectors, vectors + kBrickVoxels);
@@ -38,7 +38,7 @@ KeptVectors::KeptVectors(const VectorBricks& u, const BrickList& bricks) : m_kep
 }
 
 DisplacedBricks KeptVectors::moved(const VectorBricks& u) {
-  tbb::parallel_for(std::size_t(0), m_kept.size(), [&](std::size_t n) {
+  parallel_for(m_kept.size(), [&](std::size_t n) {
     const Vec3f* const now = u.vectors.brick_or_zero(std::size_t(m_kept[n].number));
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
       const Vec3f& before = m_kept[n].before[std::size_t(offset)];

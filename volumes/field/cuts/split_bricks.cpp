@@ -2,8 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
@@ -164,7 +163,7 @@ std::vector<std::shared_ptr<SplitBrick>> CutInversion::gather(
     });
   }
   std::vector<std::shared_ptr<SplitBrick>> bricks(stale.size());
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+  parallel_for(bricks.size(), [&](std::size_t n) {
     bricks[n] = std::make_shared<SplitBrick>(stale[n].origin);
     std::stable_sort(sides[n].begin(), sides[n].end(), [](const CutPiece* a, const CutPiece* b) {
       return voxel_less(a->cell, b->cell);
@@ -197,7 +196,7 @@ std::vector<Vec3i> CutInversion::gather_all(const VectorBricks& u, const TornCel
     const std::vector<std::shared_ptr<SplitBrick>> gathered = gather(u, torn, stale);
     m_gathered += std::int64_t(stale.size());
     std::vector<std::uint8_t> is_other(stale.size());
-    tbb::parallel_for(std::size_t(0), stale.size(), [&](std::size_t n) {
+    parallel_for(stale.size(), [&](std::size_t n) {
       Split& split = known.at(stale[n].origin);
       split.is_stale = false;
       if (split.brick && split.brick->cut.pieces() == gathered[n]->cut.pieces()) return;
@@ -254,7 +253,7 @@ std::vector<Vec3i> CutInversion::split(const VectorBricks& u, const TornCells& t
     splits.push_back(&split);
     m_bricks.push_back(split.brick);
   }
-  tbb::parallel_for(std::size_t(0), splits.size(), [&](std::size_t n) {
+  parallel_for(splits.size(), [&](std::size_t n) {
     Split& split = *splits[n];
     const Vec3i& origin = split.brick->cut.origin();
     BrickMask cells{};

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
@@ -70,7 +69,7 @@ void CutInversion::reach_moved(const VectorBricks& u, const DisplacedBricks& mov
                                const BrickList& beside, const std::vector<IndexBox>& reach_before) {
   if (m_split.empty()) return;
   std::vector<std::vector<Vec3i>> reached(beside.size());
-  tbb::parallel_for(std::size_t(0), beside.size(), [&](std::size_t n) {
+  parallel_for(beside.size(), [&](std::size_t n) {
     const auto b = std::size_t(beside[n]);
     bool may_reach = false;
     const auto see = [&](const auto&) { may_reach = true; };

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -15,7 +14,7 @@ BrickList TornCells::follow(const VectorBricks& u, const CutBody& body, const Br
   const BrickList bricks = bricks_where(
       seeing, [&](std::size_t b) { return !m_cells[b].empty() || !body.parted_in(b).empty(); });
   std::vector<std::vector<TornCell>> found(bricks.size());
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+  parallel_for(bricks.size(), [&](std::size_t n) {
     const auto b = std::size_t(bricks[n]);
     const bool is_other = std::binary_search(planned.begin(), planned.end(), bricks[n]);
     if (is_other) m_nodes[b].reset();

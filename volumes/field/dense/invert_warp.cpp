@@ -2,8 +2,7 @@
 
 #include <numeric>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/dense/grid_positions.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -15,7 +14,7 @@ Displacement displacement_of_warp(const Warp& warp) {
   VectorBricks& u = displacement.u;
   u.vectors.resize(u.topology.brick_count());
   u.vectors.touch_all();
-  tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
+  parallel_for(u.topology.brick_count(), [&](std::size_t b) {
     Vec3f* const vectors = u.vectors.touch(b);
     for_each_active(u.topology.mask(b), [&](int offset) {
       const Vec3i voxel = u.topology.origin(b) + brick_local(offset);
@@ -31,7 +30,7 @@ std::int64_t count_uncovered(const OffsetField& offsets, const Geometry& grid) {
   const GridPositions positions(grid, offsets.geometry);
   const Vec3i& dims = grid.dims();
   std::vector<std::int64_t> uncovered(std::size_t(dims.z), 0);
-  tbb::parallel_for(0, dims.z, [&](int k) {
+  parallel_for(dims.z, [&](int k) {
     Vec3d offset;
     for (int j = 0; j < dims.y; ++j) {
       for (int i = 0; i < dims.x; ++i) {

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -72,7 +71,7 @@ FeatureWindow::FeatureWindow(const IndexBox& box, const Vec3d& spacing_mm,
 
 /// Nearest void voxel in the same row along k, the lower one where two are equally near.
 void FeatureWindow::fill_rows(const BrickTopology& source) {
-  tbb::parallel_for(0, m_dims.x, [&](int x) {
+  parallel_for(m_dims.x, [&](int x) {
     for (int y = 0; y < m_dims.y; ++y) {
       const std::size_t row = index({x, y, 0});
       std::int32_t last = kNone;
@@ -96,7 +95,7 @@ void FeatureWindow::fill_rows(const BrickTopology& source) {
 
 void FeatureWindow::sweep(int axis) {
   const int other = axis == 1 ? 0 : 1;
-  tbb::parallel_for(0, m_dims[other], [&](int n) {
+  parallel_for(m_dims[other], [&](int n) {
     Vec3i start(0);
     start[other] = n;
     for (start.z = 0; start.z < m_dims.z; ++start.z) sweep_line(axis, start);

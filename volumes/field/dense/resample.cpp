@@ -4,8 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/dense/grid_positions.h"
 #include "volumes/field/dense/nearest_void.h"
 #include "volumes/field/dense/unfolded_extension.h"
@@ -139,7 +138,7 @@ VectorSliceSource dense_offsets(const OffsetField& offsets, const BrickTopology&
   }
   return [&offsets, sampled, slabs, dims, elsewhere, first](int k, Vec3f* out) {
     const Vec3f* const known = slabs == nullptr ? nullptr : slabs->slice(k);
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
         const std::size_t n = std::size_t(j) * dims.x + i;
         const bool is_known = known != nullptr && !std::isnan(known[n].x) &&
@@ -157,7 +156,7 @@ VectorSliceSource dense_displacement(const Displacement& extended) {
       std::make_shared<VectorSlabs>(extended.u, Vec3i(0), dims, [](const Vec3i&) { return false; });
   return [&extended, slabs, dims](int k, Vec3f* out) {
     const Vec3f* const known = slabs->slice(k);
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       for (std::size_t n = std::size_t(j) * dims.x; n < std::size_t(j + 1) * dims.x; ++n) {
         const Vec3d u = std::isnan(known[n].x) ? Vec3d(0) : Vec3d(known[n]);
         out[n] = Vec3f(extended.geometry.world_vector_from_index(u));
@@ -188,7 +187,7 @@ std::optional<VectorBricks> in_millimetres(const VectorBricks& first, const Vect
   std::vector<BrickMask> masks(origins.size(), all);
   VectorBricks result{BrickTopology(origins, std::move(masks)), BrickVectors(origins.size())};
   result.vectors.touch_all();
-  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t b) {
+  parallel_for(origins.size(), [&](std::size_t b) {
     Vec3f* const out = result.vectors.touch(b);
     for (int n = 0; n < kBrickVoxels; ++n) {
       const Vec3i voxel = result.topology.origin(b) + brick_local(n);
@@ -228,7 +227,7 @@ ScalarSliceSource dense_resampled(const OffsetField& offsets, const SourceDensit
   const GridPositions positions(grid, offsets.geometry);
   const Vec3i& dims = grid.dims();
   return [&offsets, density, positions, dims, fill](int k, float* out) {
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
         Vec3d source;
         const bool is_seen = offsets.source_of(positions.at(i, j, k), source);

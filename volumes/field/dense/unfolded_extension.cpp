@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/split_offsets.h"
 #include "volumes/grid/cell.h"
@@ -69,7 +68,7 @@ std::vector<Vec3i> UnfoldedExtension::all_folded_cells() const {
   const BrickTopology bricks = touching_bricks(m_offsets.o.topology);
   std::vector<std::vector<Vec3i>> found(bricks.brick_count());
   constexpr int kNodes = kBrickDim + 1;
-  tbb::parallel_for(std::size_t(0), bricks.brick_count(), [&](std::size_t b) {
+  parallel_for(bricks.brick_count(), [&](std::size_t b) {
     const Vec3i& origin = bricks.origin(b);
     std::vector<Vec3d> offsets;
     for (int n = 0; n < kNodes * kNodes * kNodes; ++n) {

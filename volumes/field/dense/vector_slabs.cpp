@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -25,7 +25,7 @@ void VectorSlabs::turn(int slab) {
   m_slab = slab;
   m_slices.resize(std::size_t(kBrickDim) * m_dims.x * m_dims.y);
   const Vec3i last = m_first + m_dims - Vec3i(1);
-  tbb::parallel_for(m_first.y >> 3, (last.y >> 3) + 1, [&](int by) {
+  parallel_for(m_first.y >> 3, (last.y >> 3) + 1, [&](int by) {
     for (int bx = m_first.x >> 3; bx <= last.x >> 3; ++bx) {
       turn_brick(Vec3i(bx, by, slab) * kBrickDim);
     }

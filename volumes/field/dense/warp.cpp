@@ -4,8 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/dense/grid_positions.h"
 
 namespace supple {
@@ -114,7 +113,7 @@ Sampled find_valid(const WarpSampler& sampler, const IndexBox& bricks, Progress*
   std::vector<std::uint8_t> moves(layer * count.x, 0);
   for (int x = 0; x < count.x; ++x) {
     report(progress, double(x) / count.x);
-    tbb::parallel_for(std::size_t(0), layer, [&](std::size_t n) {
+    parallel_for(layer, [&](std::size_t n) {
       const Vec3i step(x, int(n / count.z), int(n % count.z));
       const Vec3i origin = (bricks.lo + step) * kBrickDim;
       BrickMask& mask = masks[x * layer + n];
@@ -156,7 +155,7 @@ OffsetField offsets_from_warp(const Warp& warp, const Geometry& source, Progress
   o.vectors.resize(o.topology.brick_count());
   o.vectors.reserve(sampled.moving.size());
   for (const std::size_t b : sampled.moving) o.vectors.touch(b);
-  tbb::parallel_for(std::size_t(0), sampled.moving.size(), [&](std::size_t n) {
+  parallel_for(sampled.moving.size(), [&](std::size_t n) {
     const std::size_t b = sampled.moving[n];
     Vec3f* const vectors = o.vectors.touch(b);
     for_each_active(o.topology.mask(b), [&](int local) {

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/linked_elements.h"
 #include "volumes/field/length_statistics.h"
 
@@ -126,7 +125,7 @@ DeformationMaps map_deformation(const Displacement& u, const BrickTopology& elem
   maps.folded.resize(elements.brick_count(), BrickMask{});
   const LinkedElements linked(u, elements, cuts);
   const BendingNorm norm(u.geometry);
-  tbb::parallel_for(std::size_t(0), elements.brick_count(), [&](std::size_t b) {
+  parallel_for(elements.brick_count(), [&](std::size_t b) {
     for_each_active(elements.mask(b), [&](int offset) {
       const Vec3i voxel = elements.origin(b) + brick_local(offset);
       const Vec3d moved = u.geometry.world_vector_from_index(linked.at(voxel));

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/brick_nodes.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
@@ -100,7 +99,7 @@ void DisplacementRanges::update(const VectorBricks& u, const std::vector<std::in
     }
     looked_at.push_back(b);
   }
-  tbb::parallel_for(std::size_t(0), looked_at.size(), [&](std::size_t n) {
+  parallel_for(looked_at.size(), [&](std::size_t n) {
     const auto b = std::size_t(looked_at[n]);
     m_ranges[std::size_t(m_slots[b])] = ranges_of(u, b);
   });

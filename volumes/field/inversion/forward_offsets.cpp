@@ -4,8 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
 
@@ -82,7 +81,7 @@ void ForwardOffsets::update(const std::vector<std::int32_t>& changed) {
 void ForwardOffsets::find_ranges(const std::vector<std::int32_t>& changed) {
   m_ranges.update(m_u, changed);
   const std::vector<std::int32_t> touched = with_lower_neighbours(m_u.topology, changed);
-  tbb::parallel_for(std::size_t(0), touched.size(), [&](std::size_t n) {
+  parallel_for(touched.size(), [&](std::size_t n) {
     const std::size_t b = std::size_t(touched[n]);
     m_reach[b] = m_ranges.reach(m_u.topology, b);
     m_still[b] = m_ranges.is_still(m_u.topology, b);

@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_reduce.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/source_window.h"
 #include "volumes/field/split_offsets.h"
@@ -126,17 +123,11 @@ class HiddenCount {
 std::int64_t count_hidden(const Displacement& displacement, const BrickTopology& elements,
                           const OffsetField& offsets,
                           const std::function<bool(const Vec3i& origin)>& wants) {
-  tbb::enumerable_thread_specific<HiddenCount> counts(
-      [&] { return HiddenCount(displacement.u, offsets, wants); });
-  using Range = tbb::blocked_range<std::size_t>;
-  return tbb::parallel_reduce(
-      Range(0, elements.brick_count(), 16), std::int64_t(0),
-      [&](const Range& range, std::int64_t sum) {
-        HiddenCount& count = counts.local();
-        for (std::size_t b = range.begin(); b < range.end(); ++b) {
-          sum += count.count(elements.origin(b), elements.mask(b));
-        }
-        return sum;
+  PerThread<HiddenCount> counts([&] { return HiddenCount(displacement.u, offsets, wants); });
+  return parallel_reduce(
+      elements.brick_count(), Grain{16}, std::int64_t(0),
+      [&](std::size_t b, std::int64_t& sum) {
+        sum += counts.local().count(elements.origin(b), elements.mask(b));
       },
       std::plus<std::int64_t>());
 }

@@ -6,9 +6,7 @@
 #include <numeric>
 #include <unordered_map>
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/field/inversion/resting_brick.h"
 #include "volumes/grid/cell.h"
@@ -27,8 +25,7 @@ void for_numbers(const std::vector<std::size_t>& numbers, Progress* progress, Bo
   const std::size_t count = numbers.size();
   for (std::size_t start = 0; start < count; start += kChunk) {
     report(progress, double(start) / double(count));
-    tbb::parallel_for(start, std::min(count, start + kChunk),
-                      [&](std::size_t n) { body(numbers[n]); });
+    parallel_for(start, std::min(count, start + kChunk), [&](std::size_t n) { body(numbers[n]); });
   }
 }
 
@@ -70,7 +67,7 @@ void Inversion::add_sources(const std::vector<std::int32_t>& bricks) {
 
 /// Finds what the cells of these bricks, which are sources, reach.
 void Inversion::place(const VectorBricks& u, const std::vector<std::int32_t>& bricks) {
-  tbb::parallel_for(std::size_t(0), bricks.size(), [&](std::size_t n) {
+  parallel_for(bricks.size(), [&](std::size_t n) {
     const auto b = std::size_t(bricks[n]);
     Source& source = m_sources[std::size_t(m_source_of[b])];
     source.reach = m_ranges.reach(u.topology, b);
@@ -116,7 +113,7 @@ void Inversion::merge_resting(const VectorBricks& u, OffsetAccumulator& accumula
   }
   std::sort(beside.begin(), beside.end());
   beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-  tbb::parallel_for(std::size_t(0), beside.size(), [&](std::size_t n) {
+  parallel_for(beside.size(), [&](std::size_t n) {
     const auto b = std::size_t(beside[n]);
     const Vec3i& origin = u.topology.origin(b);
     accumulator.merge_zeros(origin, cell_mask(u.topology, b), contents_of(origin));
@@ -127,11 +124,10 @@ void Inversion::merge_resting(const VectorBricks& u, OffsetAccumulator& accumula
 /// covered by such a cell and yet stay without.
 void Inversion::settle(const VectorBricks& u, const std::vector<OpenNode>& doubts,
                        OffsetAccumulator& accumulator) {
-  tbb::enumerable_thread_specific<BrickSolver> solvers(
-      [&] { return BrickSolver(m_dims, m_params); });
-  tbb::enumerable_thread_specific<std::vector<OffsetAccumulator::NodeSolution>> hits;
-  tbb::enumerable_thread_specific<std::vector<Vec3i>> covered;
-  tbb::parallel_for(std::size_t(0), doubts.size(), [&](std::size_t n) {
+  PerThread<BrickSolver> solvers([&] { return BrickSolver(m_dims, m_params); });
+  PerThread<std::vector<OffsetAccumulator::NodeSolution>> hits;
+  PerThread<std::vector<Vec3i>> covered;
+  parallel_for(doubts.size(), [&](std::size_t n) {
     BrickSolver& solver = solvers.local();
     bool is_covered;
     const Vec3i& cell = doubts[n].cell;
@@ -154,7 +150,7 @@ VectorBricks Inversion::solve_sources(const VectorBricks& u,
                                       const std::vector<std::size_t>& sources,
                                       OffsetAccumulator& accumulator, Progress* progress) {
   merge_resting(u, accumulator);  // first, so that fewer offsets are stored in vain
-  tbb::enumerable_thread_specific<Worker> workers([&] { return Worker(m_dims, m_params); });
+  PerThread<Worker> workers([&] { return Worker(m_dims, m_params); });
   for_numbers(sources, progress,
               [&](std::size_t n) { solve_source(u, m_sources[n], accumulator, workers.local()); });
   // Nodes that the quick solves left open.
@@ -220,11 +216,10 @@ std::vector<std::size_t> Inversion::sources_reaching(const OffsetAccumulator& ac
 VectorBricks Inversion::with_resting(const BrickTopology& bricks, const BrickIndex& reached,
                                      VectorBricks moved) {
   const std::size_t count = bricks.brick_count();
-  tbb::enumerable_thread_specific<std::vector<std::pair<std::size_t, BrickMask>>> parts;
+  PerThread<std::vector<std::pair<std::size_t, BrickMask>>> parts;
   std::vector<std::uint8_t> full(count);
-  tbb::parallel_for(std::size_t(0), count,
-                    [&](std::size_t b) { full[b] = is_full(bricks.mask(b)) ? 1 : 0; });
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+  parallel_for(count, [&](std::size_t b) { full[b] = is_full(bricks.mask(b)) ? 1 : 0; });
+  parallel_for(count, [&](std::size_t b) {
     const RestingBrick brick(bricks, full, b, [&](std::int32_t lower) { return rests(lower); });
     if (rests(std::int32_t(b))) m_resting_cells[b] = std::int16_t(brick.cells());
     if (reached.find(bricks.origin(b)) >= 0) return;
@@ -298,7 +293,7 @@ bool Inversion::solve_changed(const VectorBricks& u, const std::vector<std::int3
   for (const Vec3i& origin : touched) m_overlaps.erase(origin);
   OffsetAccumulator accumulator(touched);
   std::vector<std::uint8_t> takes_part(m_sources.size());
-  tbb::parallel_for(std::size_t(0), takes_part.size(), [&](std::size_t n) {
+  parallel_for(takes_part.size(), [&](std::size_t n) {
     takes_part[n] = accumulator.is_reached_by(m_sources[n].reach);
   });
   for (const std::int32_t b : affected) {

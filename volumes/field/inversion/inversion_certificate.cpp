@@ -6,11 +6,7 @@
 #include <cstring>
 #include <limits>
 
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -188,17 +184,12 @@ double ResidualHistogram::percentile(double part) const {
 
 ResidualHistogram measure_residuals(const VectorBricks& u, const Vec3i& dims, const VectorBricks& o,
                                     const FoldedCells& folded) {
-  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, dims, folded); });
-  using Range = tbb::blocked_range<std::size_t>;
-  return tbb::parallel_reduce(
-      Range(0, o.topology.brick_count(), 16), ResidualHistogram{},
-      [&](const Range& range, ResidualHistogram part) {
-        Probe& probe = probes.local();
-        for (std::size_t b = range.begin(); b < range.end(); ++b) {
-          probe.measure_brick(o.topology.origin(b),
-                              {&o.topology.mask(b), o.vectors.brick_or_zero(b)}, part);
-        }
-        return part;
+  PerThread<Probe> probes([&] { return Probe(u, dims, folded); });
+  return parallel_reduce(
+      o.topology.brick_count(), Grain{16}, ResidualHistogram{},
+      [&](std::size_t b, ResidualHistogram& part) {
+        probes.local().measure_brick(o.topology.origin(b),
+                                     {&o.topology.mask(b), o.vectors.brick_or_zero(b)}, part);
       },
       [](ResidualHistogram a, const ResidualHistogram& b) {
         a.join(b);
@@ -211,8 +202,8 @@ std::vector<BrickResiduals> measure_bricks(const VectorBricks& u, const Vec3i& d
                                            const VectorBrickFinder& offsets,
                                            const FoldedCells& folded) {
   std::vector<BrickResiduals> residuals(origins.size());
-  tbb::enumerable_thread_specific<Probe> probes([&] { return Probe(u, dims, folded); });
-  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t n) {
+  PerThread<Probe> probes([&] { return Probe(u, dims, folded); });
+  parallel_for(origins.size(), [&](std::size_t n) {
     ResidualHistogram histogram;
     probes.local().measure_brick(origins[n], offsets(origins[n]), histogram);
     residuals[n] = histogram.of_one_brick();

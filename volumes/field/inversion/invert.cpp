@@ -4,8 +4,7 @@
 #include <deque>
 #include <stdexcept>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/inversion.h"
 #include "volumes/field/inversion/inversion_certificate.h"
 #include "volumes/field/inversion/reachable_bricks.h"
@@ -101,7 +100,7 @@ void IncrementalInversion::Impl::take_over(const VectorBricks& offsets) {
     bricks.resize(index.count());
     bricks[n] = taken[b];
   }
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+  parallel_for(count, [&](std::size_t b) {
     taken[b]->mask = offsets.topology.mask(b);
     const Vec3f* const vectors = offsets.vectors.brick(b);
     if (vectors != nullptr) taken[b]->vectors.assign(vectors, vectors + kBrickVoxels);

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/cell.h"
 
 namespace supple {
@@ -78,7 +77,7 @@ bool OffsetAccumulator::has_taken(std::int32_t b, int offset, Content content) c
 inline void OffsetAccumulator::put(std::int32_t b, int offset, const Vec3f& o) {
   if (m_vectors.brick(std::size_t(b)) == nullptr) {
     if (o == Vec3f(0)) return;
-    const tbb::spin_mutex::scoped_lock lock(m_storing);
+    const SpinMutex::scoped_lock lock(m_storing);
     m_vectors.touch(std::size_t(b));
   }
   m_vectors.touch(std::size_t(b))[offset] = o;
@@ -108,7 +107,7 @@ void OffsetAccumulator::merge(const std::vector<NodeSolution>& hits) {
   for (const NodeSolution& hit : hits) {
     const std::int32_t b = m_bricks.find(hit.node);
     if (b < 0) continue;
-    const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
+    const SpinMutex::scoped_lock lock(m_locks[b]);
     take(b, hit);
   }
 }
@@ -167,7 +166,7 @@ void OffsetAccumulator::merge_zeros(const Vec3i& origin, const BrickMask& cells,
 
 /// No offset is shorter, so zeros give way only to what they are less than tissue to.
 void OffsetAccumulator::merge_zero_nodes(std::int32_t b, const Taken& zeros) {
-  const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
+  const SpinMutex::scoped_lock lock(m_locks[b]);
   Taken& taken = m_taken[b];
   const bool is_stored = m_vectors.brick(std::size_t(b)) != nullptr;
   const Vec3f* vectors = m_vectors.brick_or_zero(std::size_t(b));
@@ -212,13 +211,13 @@ bool OffsetAccumulator::is_reached_by(const IndexBox& reach) const {
 bool OffsetAccumulator::holds(const Vec3i& node, Content content) {
   const std::int32_t b = m_bricks.find(node);
   if (b < 0) return false;
-  const tbb::spin_mutex::scoped_lock lock(m_locks[b]);
+  const SpinMutex::scoped_lock lock(m_locks[b]);
   return has_taken(b, brick_offset(node), content);
 }
 
 BrickTopology OffsetAccumulator::overlaps() const {
   std::vector<BrickMask> of_brick(m_losers.size());
-  tbb::parallel_for(std::size_t(0), m_losers.size(), [&](std::size_t b) {
+  parallel_for(m_losers.size(), [&](std::size_t b) {
     for (const Loser& loser : m_losers[b]) {
       const Vec3f& o = m_vectors.brick_or_zero(b)[loser.offset];
       if (length_squared(loser.o - o) > kSamePlace * kSamePlace) {

@@ -9,8 +9,7 @@
 
 #include <vector>
 
-#include <tbb/spin_mutex.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/source_cells.h"
 
 namespace supple {
@@ -74,10 +73,10 @@ class OffsetAccumulator {
 
   BrickTopology m_bricks;
   BrickVectors m_vectors;
-  tbb::spin_mutex m_storing;  // held while a brick is added to m_vectors
+  SpinMutex m_storing;  // held while a brick is added to m_vectors
   std::vector<Taken> m_taken;
   std::vector<std::vector<Loser>> m_losers;  // of tissue that came to a node beside other tissue
-  std::vector<tbb::spin_mutex> m_locks;
+  std::vector<SpinMutex> m_locks;
 };
 
 }  // namespace supple

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -62,8 +60,8 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
 
 std::vector<Vec3i> reachable_origins(const VectorBricks& u,
                                      const std::vector<BrickReach>& reaches) {
-  tbb::enumerable_thread_specific<std::vector<Vec3i>> parts;
-  tbb::parallel_for(std::size_t(0), reaches.size(), [&](std::size_t n) {
+  PerThread<std::vector<Vec3i>> parts;
+  parallel_for(reaches.size(), [&](std::size_t n) {
     const IndexBox& reach = reaches[n].nodes;
     if (is_torn(reach)) {
       add_bricks_of_cells(u, std::size_t(reaches[n].brick), parts.local());

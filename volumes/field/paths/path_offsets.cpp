@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/invert.h"
 
 namespace supple {
@@ -275,7 +274,7 @@ VectorBricks PathOffsets::run(Progress* progress) {
   constexpr std::size_t kChunk = 1024;
   for (std::size_t start = 0; start < bricks.size(); start += kChunk) {
     report(progress, 0.5 + 0.5 * double(start) / double(bricks.size()));
-    tbb::parallel_for(start, std::min(bricks.size(), start + kChunk), [&](std::size_t b) {
+    parallel_for(start, std::min(bricks.size(), start + kChunk), [&](std::size_t b) {
       surveys[b] = survey(bricks[b], pieces[b]);
       sample_nodes(bricks[b], pieces[b], surveys[b].moves ? Border::wide : Border::exact, masks[b],
                    vectors.touch(b));

@@ -1,7 +1,6 @@
 #include "volumes/field/paths/sampling_path.h"
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/paths/path_offsets.h"
 
 namespace supple {
@@ -37,7 +36,7 @@ Displacement move_along(const SamplingPath& path, const Displacement& displaceme
   const Geometry& geometry = result.geometry;
   const BrickTopology& where = result.u.topology;
   result.u.vectors.touch_all();
-  tbb::parallel_for(std::size_t(0), where.brick_count(), [&](std::size_t b) {
+  parallel_for(where.brick_count(), [&](std::size_t b) {
     Vec3f* const vectors = result.u.vectors.touch(b);
     for_each_active(where.mask(b), [&](int offset) {
       Vec3f& u = vectors[offset];

@@ -1,7 +1,6 @@
 // Points along with a body and back.
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/source_cells.h"
 #include "volumes/field/points/carried_displacement.h"
 #include "volumes/field/points/folded_places.h"
@@ -70,8 +69,8 @@ class MotionToRest final : public PointMotion {
   /// Finds the folds of all cells of the body, of torn cells each side by itself, and overlaps.
   void find_folds() {
     const VectorBricks& u = m_u.known();
-    tbb::enumerable_thread_specific<std::vector<std::pair<Vec3i, CellCorners>>> found;
-    tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
+    PerThread<std::vector<std::pair<Vec3i, CellCorners>>> found;
+    parallel_for(u.topology.brick_count(), [&](std::size_t b) {
       SourceCells cells;
       if (!gather_cells(u, b, cells)) return;
       for_each_active(cells.mask, [&](int offset) {

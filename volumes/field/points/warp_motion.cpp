@@ -2,9 +2,7 @@
 #include <array>
 #include <unordered_map>
 
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/dense/grid_positions.h"
 #include "volumes/field/points/folded_places.h"
 #include "volumes/field/points/point_motion.h"
@@ -180,8 +178,8 @@ class AgainstWarp final : public PointMotion {
 
   void find_folds() {
     const Vec3i& dims = m_cells.dims();
-    tbb::enumerable_thread_specific<std::vector<std::pair<Vec3i, CellCorners>>> found;
-    tbb::parallel_for(-1, dims.z, [&](int z) {
+    PerThread<std::vector<std::pair<Vec3i, CellCorners>>> found;
+    parallel_for(-1, dims.z, [&](int z) {
       for (int y = -1; y < dims.y; ++y) {
         for (int x = -1; x < dims.x; ++x) {
           TrilinearCell cell;

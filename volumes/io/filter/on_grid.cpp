@@ -5,9 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -26,7 +25,7 @@ class GridVolume : public VolumeFile {
     const Vec3i& dims = m_header.geometry.dims();
     const int k = m_next++;
     std::vector<double> values(std::size_t(dims.x) * std::size_t(dims.y));
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       for (int i = 0; i < dims.x; ++i) {
         const Vec3d place = m_header.geometry.world_from_index(Vec3d(i, j, k));
         values[std::size_t(j) * std::size_t(dims.x) + std::size_t(i)] =

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -21,7 +21,7 @@ SeparableVolume::Plane SeparableVolume::filtered(const Plane& plane) const {
   const std::size_t wide = std::size_t(m_file->header().geometry.dims().x);
   const std::size_t narrow = std::size_t(along_i.size());
   Plane half(narrow * std::size_t(rows)), whole(narrow * std::size_t(along_j.size()));
-  tbb::parallel_for(0, rows, [&](int j) {
+  parallel_for(rows, [&](int j) {
     const double* from = &plane[std::size_t(j) * wide];
     double* to = &half[std::size_t(j) * narrow];
     for (int i = 0; i < along_i.size(); ++i) {
@@ -32,7 +32,7 @@ SeparableVolume::Plane SeparableVolume::filtered(const Plane& plane) const {
       to[i] = sum;
     }
   });
-  tbb::parallel_for(0, along_j.size(), [&](int j) {
+  parallel_for(along_j.size(), [&](int j) {
     double* to = &whole[std::size_t(j) * narrow];
     for (int n = 0; n < along_j.count(j); ++n) {
       const double weight = along_j.weights(j)[n];

@@ -6,8 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/io/format/formats.h"
 #include "volumes/io/load/slab_reader.h"
 
@@ -25,7 +24,7 @@ void count_row(const float* row, int voxels, float lo, float hi, std::int32_t* e
 void count_slab(const Slab& slab, float lo, float hi, BrickSample& sample) {
   const int across = slab.bricks_x();
   std::vector<std::int32_t> elements(std::size_t(across) * slab.bricks_y(), 0);
-  tbb::parallel_for(0, slab.bricks_y(), [&](int bj) {
+  parallel_for(slab.bricks_y(), [&](int bj) {
     const int end = std::min(slab.dims.y, (bj + 1) * kBrickDim);
     for (int k = 0; k < slab.depth; ++k) {
       for (int j = bj * kBrickDim; j < end; ++j) {
@@ -75,7 +74,7 @@ class SampleReader {
     for (int k = 0; k < m_slab.depth; ++k) m_file.read_slice(&m_stored[slice_bytes * k]);
     m_next_k = m_slab.k0 + m_slab.depth;
     SliceStatistics found[kBrickDim];
-    tbb::parallel_for(0, m_slab.depth, [&](int k) {
+    parallel_for(m_slab.depth, [&](int k) {
       found[k] = densities_of(m_file.header(), &m_stored[slice_bytes * k], m_slice,
                               &m_slab.values[m_slice * k]);
     });

@@ -2,13 +2,13 @@
 
 #include <limits>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
 DensityGrid BrickStore::take_above(float background) {
   std::vector<BrickMask> masks(m_bricks.size());
-  tbb::parallel_for(std::size_t(0), m_bricks.size(), [&](std::size_t n) {
+  parallel_for(m_bricks.size(), [&](std::size_t n) {
     masks[n] = m_bricks[n].above(background);
     m_bricks[n].note_extremes(masks[n]);
   });
@@ -18,7 +18,7 @@ DensityGrid BrickStore::take_above(float background) {
 DensityGrid BrickStore::take_grid(const BrickTopology& where, float background) {
   constexpr float kLowest = -std::numeric_limits<float>::infinity();  // only NaN is not above
   std::vector<BrickMask> masks(m_bricks.size(), BrickMask{});
-  tbb::parallel_for(std::size_t(0), m_bricks.size(), [&](std::size_t n) {
+  parallel_for(m_bricks.size(), [&](std::size_t n) {
     const std::int32_t wanted = where.find(m_bricks[n].origin);
     if (wanted < 0) return;
     masks[n] = m_bricks[n].above(kLowest);

@@ -7,10 +7,8 @@
 #include <functional>
 #include <sstream>
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/io/load/brick_store.h"
 #include "volumes/io/load/slab_reader.h"
 #include "volumes/io/open_volume.h"
@@ -86,8 +84,7 @@ class ElementCollector {
  private:
   void find_elements(const std::vector<SlabBrick>& bricks) {
     std::vector<BrickMask> masks(bricks.size());
-    tbb::parallel_for(std::size_t(0), bricks.size(),
-                      [&](std::size_t n) { masks[n] = bricks[n].within(m_lo, m_hi); });
+    parallel_for(bricks.size(), [&](std::size_t n) { masks[n] = bricks[n].within(m_lo, m_hi); });
     for (std::size_t n = 0; n < bricks.size(); ++n) {
       const IndexBox box = mask_bounds(masks[n]);
       if (box.empty()) continue;
@@ -154,13 +151,10 @@ Volume describe(const VolumeFile& file, const SlabReader& reader) {
 /// Adds the voxels of a slab.
 void count(const Slab& slab, CountedRange& range) {
   const float lo = float(range.lo), hi = float(range.hi);
-  range.voxels += tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, slab.values.size()), std::int64_t(0),
-      [&](const tbb::blocked_range<std::size_t>& part, std::int64_t sum) {
-        for (std::size_t n = part.begin(); n < part.end(); ++n) {
-          sum += slab.values[n] >= lo && slab.values[n] <= hi;
-        }
-        return sum;
+  range.voxels += parallel_reduce(
+      slab.values.size(), Grain{1}, std::int64_t(0),
+      [&](std::size_t n, std::int64_t& sum) {
+        sum += slab.values[n] >= lo && slab.values[n] <= hi;
       },
       std::plus<>());
 }

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include <tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -125,8 +125,7 @@ SlabBrick constant_brick(const Vec3i& origin, const Vec3i& dims, float density) 
 std::vector<SlabBrick> bricks_of(const Slab& slab) {
   const std::size_t across = std::size_t(slab.bricks_x());
   std::vector<SlabBrick> bricks(across * slab.bricks_y());
-  tbb::parallel_for(0, slab.bricks_y(),
-                    [&](int bj) { cut_row(slab, bj, bricks.data() + bj * across); });
+  parallel_for(slab.bricks_y(), [&](int bj) { cut_row(slab, bj, bricks.data() + bj * across); });
   return bricks;
 }
 

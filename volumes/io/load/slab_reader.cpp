@@ -4,8 +4,7 @@
 #include <array>
 #include <limits>
 
-#include <tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/io/format/formats.h"
 
 namespace supple {
@@ -81,7 +80,7 @@ bool SlabReader::next(Slab& slab) {
   if (m_hash != nullptr) m_hash->update(m_stored.data(), m_slice_bytes * slab.depth);
 
   std::array<SliceStatistics, kBrickDim> found;
-  tbb::parallel_for(0, slab.depth, [&](int k) {
+  parallel_for(slab.depth, [&](int k) {
     found[k] = densities_of(header, &m_stored[m_slice_bytes * k], m_slice_values,
                             &slab.values[m_slice_values * k]);
   });

@@ -1,8 +1,7 @@
 #include "volumes/io/transform/transform_volume.h"
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/io/transform/transform_chain.h"
 
 namespace supple {
@@ -22,7 +21,7 @@ class TransformVectors : public VolumeFile {
 
   void read_slice(void* out) override {
     const Vec3i& dims = m_header.geometry.dims();
-    tbb::parallel_for(0, dims.y, [&](int j) {
+    parallel_for(dims.y, [&](int j) {
       double* vector = static_cast<double*>(out) + std::size_t(j) * std::size_t(dims.x) * 3;
       for (int i = 0; i < dims.x; ++i, vector += 3) {
         const Vec3d x = m_header.geometry.world_from_index(Vec3d(i, j, m_slices_read));

@@ -4,7 +4,8 @@
 #include <exception>
 
 #include <openvdb/io/Compression.h>
-#include <tbb/parallel_for.h>
+
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -38,7 +39,7 @@ void read_leaves(Grid& grid, std::istream& in, const InputFile& file) {
   grid.tree().getNodes(leaves);
   const std::vector<std::int64_t> places = range_places<Leaf>(leaves.size(), in, is_half);
   std::vector<std::exception_ptr> errors(places.size());
-  tbb::parallel_for(std::size_t(0), places.size(), [&](std::size_t range) {
+  parallel_for(places.size(), [&](std::size_t range) {
     FileBuffer buffer(file, places[range]);
     std::istream own(&buffer);
     own.copyfmt(in);

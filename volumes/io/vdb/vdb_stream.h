@@ -10,9 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/parallel_for.h>
-
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/progress.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_topology.h"
@@ -34,7 +33,7 @@ typename Grid::Ptr make_vdb_grid(const char* name, const BrickTopology& bricks,
                                  const typename Grid::ValueType& background, Fill&& fill) {
   using Leaf = typename Grid::TreeType::LeafNodeType;
   std::vector<std::unique_ptr<Leaf>> leaves(bricks.brick_count());
-  tbb::parallel_for(std::size_t(0), leaves.size(), [&](std::size_t b) {
+  parallel_for(leaves.size(), [&](std::size_t b) {
     auto leaf = std::make_unique<Leaf>(to_coord(bricks.origin(b)), background);
     fill(*leaf, b);
     if (!leaf->isEmpty()) leaves[b] = std::move(leaf);

@@ -7,7 +7,6 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
-#include <oneapi/tbb/global_control.h>
 
 #include "lib/fem/dynamics/modes.h"
 #include "lib/fem/dynamics/newmark.h"
@@ -16,6 +15,7 @@
 #include "lib/fem/voxel/loose_islands.h"
 #include "tests/lib/fem_fixtures.h"
 #include "tests/support/program.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -380,7 +380,7 @@ TEST(InteropFem, CalculixFindsTheSameOnCommonNodesOfVoxelsThatTouchByEdgesAndCor
 TEST(InteropFem, DolfinxFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
   if (!has_dolfinx()) GTEST_SKIP() << "python3-dolfinx is not installed";
   judge_bodies(Dilatation::mean, EquationSolver::dolfinx, 1e-9);
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   judge_bodies(kAsC3d8, EquationSolver::dolfinx, 1e-9);
 }
 

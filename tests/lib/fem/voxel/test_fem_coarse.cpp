@@ -8,7 +8,7 @@
 #include "lib/fem/voxel/multigrid.h"
 #include "tests/lib/fem_fixtures.h"
 #include "tests/support/sanitized.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -9,7 +9,7 @@
 #include "lib/fem/voxel/fem_results.h"
 #include "lib/fem/voxel/finite_strain.h"
 #include "tests/lib/fem_fixtures.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

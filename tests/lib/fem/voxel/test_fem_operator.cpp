@@ -11,7 +11,7 @@
 #include "lib/fem/voxel/loose_islands.h"
 #include "lib/fem/voxel/multigrid.h"
 #include "tests/lib/fem_fixtures.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -13,7 +13,7 @@
 #include "lib/fem/voxel/short_float.h"
 #include "lib/model/fem_model.h"
 #include "tests/lib/fem_fixtures.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 
 using namespace supple;
 using namespace supple::test;

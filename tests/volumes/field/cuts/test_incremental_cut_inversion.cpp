@@ -3,7 +3,7 @@
 
 #include "tests/support/sanitized.h"
 #include "tests/volumes/field/offset_fixtures.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/split_offsets.h"
 

@@ -2,7 +2,7 @@
 
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/invert.h"
 
 using namespace supple;

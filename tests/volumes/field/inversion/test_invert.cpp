@@ -5,7 +5,7 @@
 #include "tests/support/sanitized.h"
 #include "tests/volumes/field/offset_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/invert.h"

@@ -7,7 +7,7 @@
 
 #include "tests/volumes/io/dense_file.h"
 #include "volumes/base/error.h"
-#include "volumes/base/on_threads.h"
+#include "volumes/base/parallel.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/load/brick_sample.h"
 #include "volumes/io/load/load.h"

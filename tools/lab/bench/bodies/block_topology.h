@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/grid/brick_topology.h"
 
 namespace supple::tools {
@@ -19,7 +18,7 @@ BrickTopology block_topology(const Vec3i& size, IsActive&& is_active) {
     }
   }
   std::vector<BrickMask> masks(origins.size(), BrickMask{});
-  tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t b) {
+  parallel_for(origins.size(), [&](std::size_t b) {
     for (int offset = 0; offset < kBrickVoxels; ++offset) {
       const Vec3i voxel = origins[b] + brick_local(offset);
       const bool inside = voxel.x < size.x && voxel.y < size.y && voxel.z < size.z;

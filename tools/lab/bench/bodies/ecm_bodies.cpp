@@ -5,14 +5,12 @@
 #include <filesystem>
 #include <functional>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include "lib/body/lattice.h"
 #include "lib/material/material_file.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
 #include "tools/scene/plan/calibrate.h"
+#include "volumes/base/parallel.h"
 #include "volumes/grid/density_grid.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
@@ -75,13 +73,7 @@ ClassAt class_of_field(const std::string& field, const Vec3i& size) {
   return noise_class;
 }
 
-/// Calls `visit(b)` for every brick, on all threads.
-template <class Visit>
-void for_bricks(std::size_t count, Visit&& visit) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
-    for (std::size_t b = range.begin(); b < range.end(); ++b) visit(b);
-  });
-}
+constexpr Grain kBricks{64};
 
 Body body_at_rest(const Geometry& geometry, BrickTopology elements, const MaterialTable& material,
                   const ClassAt& class_at) {
@@ -92,7 +84,7 @@ Body body_at_rest(const Geometry& geometry, BrickTopology elements, const Materi
   body.slacks = SlackTable(material, geometry.spacing_mm());
   body.links_known_valid = true;
   body.classes.assign(slot_count(body.elements), 0);
-  for_bricks(body.elements.brick_count(), [&](std::size_t b) {
+  parallel_for(body.elements.brick_count(), kBricks, [&](std::size_t b) {
     for_each_active(body.elements.mask(b), [&](int offset) {
       body.classes[b * kBrickVoxels + std::size_t(offset)] =
           class_at(body.elements.origin(b) + brick_local(offset));

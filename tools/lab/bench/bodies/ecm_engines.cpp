@@ -2,12 +2,10 @@
 
 #include <algorithm>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_reduce.h>
-
 #include "lib/body/lattice.h"
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/reference/thesis_ecm.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -51,14 +49,9 @@ class BodyEngine final : public EcmEngine {
   }
 
   std::uint64_t checksum() const override {
-    using Range = tbb::blocked_range<std::size_t>;
-    return tbb::parallel_reduce(
-        Range(0, m_body.elements.brick_count(), 64), std::uint64_t(0),
-        [&](const Range& range, std::uint64_t sum) {
-          for (std::size_t b = range.begin(); b < range.end(); ++b) sum += brick_checksum(b);
-          return sum;
-        },
-        std::plus<>());
+    return parallel_reduce(
+        m_body.elements.brick_count(), Grain{64}, std::uint64_t(0),
+        [&](std::size_t b, std::uint64_t& sum) { sum += brick_checksum(b); }, std::plus<>());
   }
 
  private:

@@ -4,8 +4,7 @@
 
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/phantom/phantom.h"
 
 namespace supple::tools {
@@ -15,7 +14,7 @@ class HalfSampledHead {
   explicit HalfSampledHead(const Vec3i& size) : m_dims(size / 2 + Vec3i(1)) {
     const Phantom phantom = head_phantom(size);
     m_values.resize(std::size_t(m_dims.x) * m_dims.y * m_dims.z);
-    tbb::parallel_for(0, m_dims.z, [&](int k) {
+    parallel_for(m_dims.z, [&](int k) {
       for (int j = 0; j < m_dims.y; ++j) {
         for (int i = 0; i < m_dims.x; ++i) {
           m_values[index(i, j, k)] = phantom.density(2 * i, 2 * j, 2 * k);

@@ -4,11 +4,10 @@
 #include <atomic>
 #include <cmath>
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/bodies/ecm_engines.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/deformed_cell.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/inversion/reachable_bricks.h"
@@ -104,7 +103,7 @@ Displacement field_to_invert(const std::string& name, int size) {
 
 std::int64_t missing_nodes(const VectorBricks& u, const VectorBricks& o) {
   std::atomic<std::int64_t> missing{0};
-  tbb::parallel_for(std::size_t(0), u.topology.brick_count(), [&](std::size_t b) {
+  parallel_for(u.topology.brick_count(), [&](std::size_t b) {
     for_each_active(u.topology.mask(b), [&](int offset) {
       const Vec3i cell = u.topology.origin(b) + brick_local(offset);
       if (!has_all_neighbours(u.topology, cell)) return;

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "lib/body/lattice.h"
 #include "lib/chainmail/ball_limits.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -28,8 +27,7 @@ bool is_ball(const BallSide& side) {
 /// One pull from rest; returns its milliseconds.
 double pull_from_rest(BallSide& side, Body& body, const BenchDrag& pull, Progress& cancel) {
   release_offsets(body);
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(side.side.threads));
+  const ThreadLimit limit(side.side.threads);
   const double ms = time_ms([&] {
     if (is_ball(side)) {
       side.ball = drag_ball(body, {{pull.voxel, pull.by_q}}, {}, {}, &cancel);

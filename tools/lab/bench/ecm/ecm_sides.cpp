@@ -1,8 +1,7 @@
 #include "tools/lab/bench/ecm/ecm_sides.h"
 
-#include <oneapi/tbb/global_control.h>
-
 #include "tools/lab/bench/report/memory.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -14,8 +13,7 @@ constexpr std::int64_t kPeakFromNodes = 1'000'000;
 }  // namespace
 
 double timed_pull(EcmEngine& engine, const BenchDrag& pull, int threads) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(threads));
+  const ThreadLimit limit(threads);
   return time_ms([&] { engine.pull(pull); });
 }
 

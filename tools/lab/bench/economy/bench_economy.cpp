@@ -4,8 +4,6 @@
 #include <optional>
 #include <thread>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "lib/state/state_outputs.h"
@@ -15,6 +13,7 @@
 #include "tools/lab/bench/report/row_filter.h"
 #include "tools/lab/bench/report/timing.h"
 #include "tools/scene/peers/peer_process.h"
+#include "volumes/base/parallel.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {
@@ -140,8 +139,7 @@ BenchReport bench_economy(const EconomyBenchOptions& options, Console& console) 
   const std::vector<EconomyRow> plan = plan_economy(options);
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(threads));
+  const ThreadLimit limit(threads);
   BenchReport report{"economy", measure_machine(), {}};
   const ScratchFolder folder;
   measure_economy({"air", 64}, folder);  // libraries and threads are there from now on

@@ -5,8 +5,6 @@
 #include <memory>
 #include <thread>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "lib/fem/voxel/hex_operator.h"
 #include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
@@ -15,6 +13,7 @@
 #include "tools/lab/bench/report/memory.h"
 #include "tools/lab/bench/report/row_filter.h"
 #include "tools/lab/bench/report/timing.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -150,8 +149,7 @@ TimedSide product_side(const HexOperator& stiffness, int threads) {
   auto y = std::make_shared<std::vector<T>>(count, T(0));
   TimedSide side;
   side.run = [=, &stiffness](Times& times) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    std::size_t(threads));
+    const ThreadLimit limit(threads);
     times.ms.push_back(time_ms([&] { stiffness.add(x->data(), y->data()); }));
   };
   return side;
@@ -216,8 +214,7 @@ BenchRow measure_solve(const FemBenchRow& row, const FemBenchOptions& options,
   const FemProblem problem = fem_problem(row.subject, head);
   const bool is_small = problem.body.elements.active_count() < 1000000;
   const int rounds = options.quick || !is_small || row.kind == "iterations" ? 1 : 3;
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(row.threads));
+  const ThreadLimit limit(row.threads);
   TimedSolve solve;
   Times times, cpu;
   const PeakMemory peak;

@@ -4,12 +4,11 @@
 #include <filesystem>
 #include <iterator>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/relax_cases.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -65,8 +64,7 @@ BenchReport bench_relax(const RelaxBenchOptions& options, Console& console) {
     const auto last = std::find_if(
         first, plan.end(), [&](const RelaxRow& row) { return row.group() != first->group(); });
     const std::vector<RelaxRow> rows(first, last);
-    const oneapi::tbb::global_control limit(oneapi::tbb::global_control::max_allowed_parallelism,
-                                            std::size_t(rows.back().threads));
+    const ThreadLimit limit(rows.back().threads);
     console.stage(first->group());
     std::vector<BenchRow> measured = measure(rows, body_of(*first, head), options.quick, cancel);
     std::move(measured.begin(), measured.end(), std::back_inserter(result.rows));

@@ -7,13 +7,12 @@
 #include <optional>
 #include <random>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "lib/body/lattice.h"
 #include "lib/chainmail/tighten.h"
 #include "lib/model/relax_model.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"
 #include "tools/lab/bench/report/timing.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -164,9 +163,7 @@ std::vector<BenchRow> measure_passes(const std::vector<RelaxRow>& rows, const Bo
         std::make_unique<Relaxation>(start.body, start.anchored, start.holds, params_of(row)));
     for (int n = 0; n < 2 * row.count; ++n) relaxations.back()->pass();
     sides.push_back({[&relaxation = *relaxations.back(), &row](Times& times) {
-                       const oneapi::tbb::global_control limit(
-                           oneapi::tbb::global_control::max_allowed_parallelism,
-                           std::size_t(row.threads));
+                       const ThreadLimit limit(row.threads);
                        for (int n = 0; n < row.count; ++n) {
                          times.ms.push_back(time_ms([&] { relaxation.pass(); }));
                        }

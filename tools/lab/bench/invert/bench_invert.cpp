@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <thread>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "tools/console/command.h"
 #include "tools/lab/bench/bodies/invert_fields.h"
 #include "tools/lab/bench/invert/invert_tets.h"
@@ -12,6 +10,7 @@
 #include "tools/lab/bench/peers/invert_peers.h"
 #include "tools/lab/bench/report/row_filter.h"
 #include "tools/lab/bench/report/timing.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/invert.h"
 
 namespace supple::tools {
@@ -154,8 +153,7 @@ std::vector<BenchRow> measure_workload(const InvertWorkload& workload, const Rou
     TimedSide side;
     side.max_runs = is_peer ? 1 : 0;
     side.run = [&, n, of, is_peer](Times& times) {
-      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                      std::size_t(of.threads));
+      const ThreadLimit limit(of.threads);
       if (is_peer) {
         run_peer(of.method, displacement, results[n], times, console);
       } else {

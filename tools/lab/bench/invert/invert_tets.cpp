@@ -4,9 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include <oneapi/tbb/enumerable_thread_specific.h>
-#include <oneapi/tbb/parallel_for.h>
-
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/displacement_range.h"
 #include "volumes/field/inversion/offset_accumulator.h"
 #include "volumes/field/inversion/reachable_bricks.h"
@@ -74,12 +72,12 @@ VectorBricks invert_by_tetrahedra(const Displacement& displacement) {
   DisplacementRanges ranges(displacement.geometry.dims());
   ranges.update(u, all);
   std::vector<BrickReach> reach(count);
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+  parallel_for(count, [&](std::size_t b) {
     reach[b] = {std::int32_t(b), ranges.reach(u.topology, b)};
   });
   OffsetAccumulator accumulator(reachable_origins(u, reach));
-  tbb::enumerable_thread_specific<Worker> workers;
-  tbb::parallel_for(std::size_t(0), count, [&](std::size_t b) {
+  PerThread<Worker> workers;
+  parallel_for(count, [&](std::size_t b) {
     Worker& worker = workers.local();
     if (!gather_cells(u, b, worker.cells)) return;
     worker.hits.clear();

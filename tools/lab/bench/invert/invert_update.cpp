@@ -1,10 +1,9 @@
 #include "tools/lab/bench/invert/invert_update.h"
 
-#include <oneapi/tbb/global_control.h>
-
 #include "tools/console/cancel_only.h"
 #include "tools/lab/bench/bodies/dragged_head.h"
 #include "tools/lab/bench/report/timing.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -58,8 +57,7 @@ std::vector<BenchRow> measure_update(const Vec3i& size, std::int64_t wanted,
   IncrementalInversion inversion(head.displacement(), head.params(), &cancel);
   std::vector<BenchRow> rows;
   for (const int count : threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    std::size_t(count));
+    const ThreadLimit limit(count);
     const InvertUpdateTimes times = drag_again_and_again(head, inversion, events, cancel);
     if (rows.empty()) {
       require_equal(inversion.field(head.displacement()),

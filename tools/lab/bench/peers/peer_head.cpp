@@ -2,9 +2,8 @@
 
 #include <vector>
 
-#include <oneapi/tbb/parallel_for.h>
-
 #include "tools/lab/bench/bodies/block_topology.h"
+#include "volumes/base/parallel.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
 
@@ -23,7 +22,7 @@ std::size_t index_of(const Vec3i& voxel) {
 /// Densities, i fastest. Head phantoms look along +j; here that is posterior.
 std::vector<float> turned_head(const Phantom& phantom) {
   std::vector<float> values(std::size_t(kPeerSize.x) * kPeerSize.y * kPeerSize.z);
-  tbb::parallel_for(0, kPeerSize.z, [&](int k) {
+  parallel_for(kPeerSize.z, [&](int k) {
     for (int j = 0; j < kPeerSize.y; ++j) {
       for (int i = 0; i < kPeerSize.x; ++i) {
         values[index_of({i, j, k})] = phantom.density(i, kPeerSize.y - 1 - j, k);

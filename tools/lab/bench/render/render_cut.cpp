@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "raycast/render.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/units.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/procedural.h"
@@ -105,7 +104,7 @@ std::string cut_row_name(const CutSide& side) {
 std::vector<BenchRow> measure_cut(const Vec3i& size, int image_size,
                                   const std::vector<CutSide>& sides, const RoundLimits& limits,
                                   const std::function<void()>& before_run) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   const CutHead head = make_cut_head(size);
   const OffsetField cut = offsets_of(head, true), uncut = offsets_of(head, false);
   Renderer renderers[3] = {Renderer(head.geometry, head.density),

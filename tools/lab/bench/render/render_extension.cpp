@@ -2,12 +2,11 @@
 
 #include <map>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "raycast/pictures/compare.h"
 #include "raycast/render.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
@@ -102,7 +101,7 @@ std::vector<BenchRow> measure_extension(const std::vector<ExtensionSide>& sides,
     }
     const OffsetField offsets = invert(displacement_with(side.air, warp, body));
     renderer.set_offsets(&offsets);
-    const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+    const ThreadLimit one_thread(1);
     Image image;
     std::vector<TimedSide> timed(1);
     timed[0].run = [&](Times& times) {

@@ -2,11 +2,10 @@
 
 #include <map>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "raycast/pictures/compare.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
@@ -122,8 +121,7 @@ std::vector<BenchRow> FrameBench::measure(const std::vector<FrameSide>& sides,
   // Side n and the straight frame with as many threads take turns.
   std::vector<BenchRow> rows;
   for (const FrameSide& side : sides) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    std::size_t(side.threads));
+    const ThreadLimit limit(side.threads);
     Image image;
     RenderReport report;
     std::vector<TimedSide> timed(2);

@@ -6,8 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "lib/state/live_displacement.h"
 #include "lib/state/state.h"
 #include "raycast/progressive.h"
@@ -17,6 +15,7 @@
 #include "tools/scene/peers/peer_process.h"
 #include "tools/scene/peers/vtk_peer.h"
 #include "tools/scene/plan/calibrate.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/process.h"
 #include "volumes/base/value.h"
 #include "volumes/field/inversion/forward_offsets.h"
@@ -311,8 +310,7 @@ std::vector<BenchRow> measure_show(const std::vector<ShowSide>& wanted, const Ro
   }
   if (sides.empty()) return {};
   const int threads = sides.front().threads;
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(threads));
+  const ThreadLimit limit(threads);
   std::vector<BenchRow> rows;
   // Processes first: while this program holds a volume, their memory could not be told.
   for (const std::string& mode : {std::string("process"), std::string("session"), kLocal}) {

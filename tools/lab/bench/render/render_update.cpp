@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "raycast/pictures/compare.h"
 #include "raycast/render.h"
 #include "tools/console/cancel_only.h"
@@ -11,6 +9,7 @@
 #include "tools/lab/bench/bodies/dragged_head.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
 #include "tools/lab/bench/report/timing.h"
+#include "volumes/base/parallel.h"
 #include "volumes/field/inversion/forward_offsets.h"
 
 namespace supple::tools {
@@ -125,8 +124,7 @@ std::vector<BenchRow> measure_render_update(const Vec3i& size, int image_size, s
 
   std::vector<BenchRow> rows;
   for (const RenderUpdateSide& side : sides) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    std::size_t(side.threads));
+    const ThreadLimit limit(side.threads);
     // The other method did not see the last drags.
     scene.forward->update(scene.head.reset());
     const UpdateTimes times = drag_again_and_again(scene, side.method, events, cancel);

@@ -5,11 +5,10 @@
 #include <map>
 #include <optional>
 
-#include <oneapi/tbb/global_control.h>
-
 #include "raycast/pictures/compare.h"
 #include "tools/lab/bench/peers/peer_head.h"
 #include "tools/scene/peers/vtk_peer.h"
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -266,8 +265,7 @@ std::vector<BenchRow> measure_straight(const std::vector<StraightSide>& sides,
     return {};
   }
   const int threads = sides.front().threads;
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  std::size_t(threads));
+  const ThreadLimit limit(threads);
   StraightView view(threads);
   std::vector<BenchRow> rows;
   for (const std::string shading : {"blinn", "none"}) {

@@ -7,9 +7,7 @@
 #include <memory>
 #include <thread>
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
+#include "volumes/base/parallel.h"
 
 namespace supple::tools {
 
@@ -58,14 +56,11 @@ class Triad {
 
  private:
   double run() {
-    using Range = tbb::blocked_range<std::size_t>;
     const auto begin = std::chrono::steady_clock::now();
-    tbb::parallel_for(
-        Range(0, kTriadElements),
-        [a = m_a.get(), b = m_b.get(), c = m_c.get()](const Range& range) {
-          for (std::size_t n = range.begin(); n < range.end(); ++n) a[n] = b[n] + 3.0 * c[n];
-        },
-        tbb::static_partitioner());
+    parallel_shares(kTriadElements, [a = m_a.get(), b = m_b.get(), c = m_c.get()](std::size_t first,
+                                                                                  std::size_t end) {
+      for (std::size_t n = first; n < end; ++n) a[n] = b[n] + 3.0 * c[n];
+    });
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
@@ -86,7 +81,7 @@ MachineFacts measure_machine() {
   facts.isa = compiled_isa();
   Triad triad;
   facts.triad_gb_s = triad.best_gb_s();
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const ThreadLimit one(1);
   facts.triad_one_thread_gb_s = triad.best_gb_s();
   return facts;
 }
