@@ -94,7 +94,7 @@ struct MaterialTable : LimitTable {
   bool relaxes_by_poisson = false;
   /// Sides of a cut do not pass through each other (lib/chainmail/cut_contact.h).
   bool has_contact = true;
-  /// The table is a preset without a domain: fitted_to() (lib/session/tissue.h) chooses the domain
+  /// The table is a preset without a domain: fitted_to() (lib/material/tissue.h) chooses the domain
   /// by the volume, and the active densities with it unless they were given.
   bool fits_domain = false, fits_active = false;
   /// `active = "foreground"`: where densities are not HU, those brighter than the background of the

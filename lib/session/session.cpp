@@ -5,12 +5,12 @@
 #include <stdexcept>
 
 #include "lib/material/material_file.h"
-#include "lib/session/handles/drag_handles.h"
+#include "lib/material/tissue.h"
+#include "lib/session/body_changes.h"
+#include "lib/session/handles/handles.h"
 #include "lib/session/journal.h"
-#include "lib/session/session_before.h"
-#include "lib/session/session_walk.h"
-#include "lib/session/step_warnings.h"
-#include "lib/session/tissue.h"
+#include "lib/session/step_run.h"
+#include "lib/session/undo_history.h"
 #include "lib/state/state_outputs.h"
 #include "lib/state/state_source.h"
 #include "volumes/base/text.h"
@@ -45,50 +45,31 @@ class Listener final : public Progress {
   Progress* m_next;
 };
 
-}  // namespace
-
-Session::Session(const std::string& path, const SessionOptions& options, Progress* heard)
-    : m_keeps_undo(options.keeps_undo) {
-  Listener listener(m_messages, heard);
-  Progress* progress = &listener;
-  if (options.material) m_material = *options.material;
-  if (is_state_file(path)) {
-    open_state(path, options, progress);
-  } else {
-    if (!options.material || m_material.fits_domain || m_material.finds_foreground) {
-      choose_material(path, options, progress);
-    }
-    open_volume_file(path, options, progress);
-  }
-  if (!options.labels_path.empty()) open_labels(options.labels_path, progress);
-  warn_of_material(progress);
-
-  stage(progress, "building the body");
-  m_body = make_body(m_state, m_material);
-  m_state.material_toml = material_to_toml(m_material);
-  take_pieces_of_state(path, progress);
-  m_links = check_links(m_body);
-  m_body.links_known_valid = !m_body.beyond && m_links.violated == 0;
-  find_anchors();
-  m_ecm = std::make_unique<VoxelEcmModel>(held());
-  if (!m_links.fold_free && m_body.rigid.empty()) {
-    note(progress,
-         "the material does not rule out folds (min_length > 2 shear fails on some link)");
-  }
+void find_foreground(SessionBody& in, const std::string& path, const SessionOptions& options,
+                     const VolumeStatistics& statistics, Progress* progress) {
+  in.material.finds_foreground = !are_hounsfield_units(statistics.min);
+  if (!in.material.finds_foreground) return;
+  constexpr int kBins = 4096;
+  in.material =
+      with_foreground(in.material, statistics,
+                      histogram(*open_volume(path, options.read), statistics, kBins, progress));
+  note(progress, "material: densities of " + number_text(in.material.active_lo) +
+                     " and more are tissue, brighter than the background (of " +
+                     number_text(statistics.min) + " to " + number_text(statistics.max) + ")" +
+                     (in.material.components == 1 ? ", their largest connected part" : ""));
 }
 
-Session::~Session() = default;
-
 /// Fits the material to the volume's densities: one tissue where none is given, a preset's domain.
-void Session::choose_material(const std::string& path, const SessionOptions& options,
-                              Progress* progress) {
+void choose_material(SessionBody& in, const std::string& path, const SessionOptions& options,
+                     Progress* progress) {
   const VolumeStatistics statistics =
       digest_volume(*open_volume(path, options.read), progress).statistics;
   if (options.material) {
-    const bool fits_active = m_material.fits_active;
-    m_material = fitted_to(m_material, statistics);
-    if (m_material.finds_foreground) return find_foreground(path, options, statistics, progress);
-    if (fits_active && !m_material.fits_active && !are_hounsfield_units(statistics.min)) {
+    const bool fits_active = in.material.fits_active;
+    in.material = fitted_to(in.material, statistics);
+    if (in.material.finds_foreground)
+      return find_foreground(in, path, options, statistics, progress);
+    if (fits_active && !in.material.fits_active && !are_hounsfield_units(statistics.min)) {
       warn(progress, "material: densities from " + number_text(statistics.min) + " to " +
                          number_text(statistics.max) +
                          " are neither HU nor 0 to 255: every voxel above " +
@@ -97,112 +78,91 @@ void Session::choose_material(const std::string& path, const SessionOptions& opt
     }
     return;
   }
-  m_material = homogeneous_material(statistics.min, statistics.max);
+  in.material = homogeneous_material(statistics.min, statistics.max);
   warn(progress, "no material given: every voxel above " + number_text(statistics.min) +
                      " is tissue of one kind (stretch 1.2, compression 0.8, shear 0.3)");
 }
 
-void Session::find_foreground(const std::string& path, const SessionOptions& options,
-                              const VolumeStatistics& statistics, Progress* progress) {
-  m_material.finds_foreground = !are_hounsfield_units(statistics.min);
-  if (!m_material.finds_foreground) return;
-  constexpr int kBins = 4096;
-  m_material =
-      with_foreground(m_material, statistics,
-                      histogram(*open_volume(path, options.read), statistics, kBins, progress));
-  note(progress, "material: densities of " + number_text(m_material.active_lo) +
-                     " and more are tissue, brighter than the background (of " +
-                     number_text(statistics.min) + " to " + number_text(statistics.max) + ")" +
-                     (m_material.components == 1 ? ", their largest connected part" : ""));
-}
-
-void Session::open_state(const std::string& path, const SessionOptions& options,
-                         Progress* progress) {
+void open_state(SessionBody& in, const std::string& path, const SessionOptions& options,
+                Progress* progress) {
   require_unused(options.read, path);
-  m_state = read_state(path, progress);
-  if (!options.refers) m_state.source.reset();
-  if (options.refers && !m_state.source) {
+  in.state = read_state(path, progress);
+  if (!options.refers) in.state.source.reset();
+  if (options.refers && !in.state.source) {
     throw InputError({path, "refer", "a state that holds its densities",
                       "a volume, or a state that refers to one"});
   }
-  if (!options.material) m_material = parse_material(m_state.material_toml, path + " material");
+  if (!options.material) in.material = parse_material(in.state.material_toml, path + " material");
 }
 
-void Session::open_volume_file(const std::string& path, const SessionOptions& options,
-                               Progress* progress) {
-  std::vector<CountedRange> counted = tissue_ranges(m_material);
+void open_volume_file(SessionBody& in, const std::string& path, const SessionOptions& options,
+                      Progress* progress) {
+  std::vector<CountedRange> counted = tissue_ranges(in.material);
   const auto file = open_volume(path, options.read, progress);
-  ElementVolume loaded = load_elements(*file, m_material.active_lo, m_material.active_hi,
-                                       m_material.components, 2, progress, &counted);
+  ElementVolume loaded = load_elements(*file, in.material.active_lo, in.material.active_hi,
+                                       in.material.components, 2, progress, &counted);
   const std::string void_values = void_values_text(loaded.volume.statistics);
   if (!void_values.empty()) warn(progress, path + ": " + void_values + " treated as void");
-  const std::string missed = warning_of_domain(m_material, loaded.volume, counted);
+  const std::string missed = warning_of_domain(in.material, loaded.volume, counted);
   if (!missed.empty()) warn(progress, "material: " + missed);
-  m_state.geometry = loaded.volume.geometry;
-  m_state.density = std::move(loaded.volume.density);
-  m_state.elements = std::move(loaded.elements);
-  m_source = {path, options.read};
+  in.state.geometry = loaded.volume.geometry;
+  in.state.density = std::move(loaded.volume.density);
+  in.state.elements = std::move(loaded.elements);
+  in.source = {path, options.read};
   if (options.refers) {
     stage(progress, "digesting the densities");
-    m_state.source =
-        make_source(file->header(), options.read, m_material.active_lo, m_material.active_hi,
-                    m_material.components, m_state.density, m_state.elements);
+    in.state.source =
+        make_source(file->header(), options.read, in.material.active_lo, in.material.active_hi,
+                    in.material.components, in.state.density, in.state.elements);
   }
-  m_state.source_name = std::filesystem::path(path).filename().string();
-  m_state.source_type = loaded.volume.value_type;
+  in.state.source_name = std::filesystem::path(path).filename().string();
+  in.state.source_type = loaded.volume.value_type;
 }
 
-void Session::open_labels(const std::string& path, Progress* progress) {
-  if (!m_state.anchor_labels.empty()) {
+void open_labels(SessionBody& in, const std::string& path, Progress* progress) {
+  if (!in.state.anchor_labels.empty()) {
     throw InputError({path, "labels", "labels beside those that fix parts of the state",
                       "a state without fixed labels"});
   }
-  m_state.labels =
-      read_labels(*open_volume(path, {}, progress), m_state.geometry, m_state.elements, progress);
-  if (m_state.labels.empty()) warn(progress, path + ": no element has a label");
+  in.state.labels =
+      read_labels(*open_volume(path, {}, progress), in.state.geometry, in.state.elements, progress);
+  if (in.state.labels.empty()) warn(progress, path + ": no element has a label");
 }
 
-void Session::warn_of_material(Progress* progress) const {
-  for (const std::string& line : m_material.warnings()) warn(progress, "material: " + line);
-  if (m_material.labels.empty()) return;
-  const auto counts = label_counts(m_state.labels);
-  for (const auto& [label, table] : m_material.labels) {
+void warn_of_material(const SessionBody& in, Progress* progress) {
+  for (const std::string& line : in.material.warnings()) warn(progress, "material: " + line);
+  if (in.material.labels.empty()) return;
+  const auto counts = label_counts(in.state.labels);
+  for (const auto& [label, table] : in.material.labels) {
     if (counts.count(label) != 0) continue;
     warn(progress, "material: label." + std::to_string(label) + ": no element has this label");
   }
 }
 
-Region Session::region_of_label(std::int32_t label, const std::string& role) const {
-  require_label(m_state.labels, label, role);
-  return Region::of_mask(
-      std::make_shared<BrickTopology>(label_mask(m_state.elements, m_state.labels, label)),
-      "label:" + std::to_string(label));
-}
-
-Region Session::region_of(const Drag& drag) const {
-  Region region = drag.region;
-  if (drag.selection) {
-    region = supple::region_of(*drag.selection, m_body, m_state.density, "grab");
-  } else if (drag.label != 0) {
-    region = region_of_label(drag.label, "grab");
+void open(SessionBody& in, const std::string& path, const SessionOptions& options,
+          Progress* progress) {
+  if (options.material) in.material = *options.material;
+  if (is_state_file(path)) {
+    open_state(in, path, options, progress);
+  } else {
+    if (!options.material || in.material.fits_domain || in.material.finds_foreground) {
+      choose_material(in, path, options, progress);
+    }
+    open_volume_file(in, path, options, progress);
   }
-  return drag.spares_fixed && !m_anchors.empty() ? without_fixed(region) : region;
-}
+  if (!options.labels_path.empty()) open_labels(in, options.labels_path, progress);
+  warn_of_material(in, progress);
 
-Region Session::without_fixed(const Region& region) const {
-  SlotSet free = elements_of(m_body, region, "grab");
-  const SlotSet fixed = fixed_elements();
-  Slot slot;
-  if (!free.first_common(fixed, slot)) return region;
-  free.remove(fixed);
-  if (free.empty()) {
-    throw InputError({"", "grab " + region.name(), "fixed elements alone",
-                      "elements that no anchor holds; an anchor that is released lets go of them"});
+  stage(progress, "building the body");
+  in.body = make_body(in.state, in.material);
+  in.state.material_toml = material_to_toml(in.material);
+  take_pieces_of_state(in, path, progress);
+  in.start_anew();
+  if (!in.links.fold_free && in.body.rigid.empty()) {
+    note(progress,
+         "the material does not rule out folds (min_length > 2 shear fails on some link)");
   }
-  return supple::region_of(free, m_body.elements, region.name());
 }
-
-namespace {
 
 /// Errors that name no file get the place of the step.
 template <class Work>
@@ -226,97 +186,93 @@ void require_points(const Step& step, const Body& body) {
 
 }  // namespace
 
+struct Session::Parts {
+  SessionBody in;
+  std::optional<UndoHistory> history = {};  // where SessionOptions::keeps_undo
+  std::vector<StepRecord> records = {};
+  std::vector<std::string> messages = {};
+  std::optional<Pose> pose = {};
+
+  const StepRecord& take(const Step& step, Progress* heard) {
+    Listener listener(messages, heard);
+    StepRecord record;
+    static_cast<Step&>(record) = step;
+    if (history) history->begin(record);
+    pose.reset();
+    try {
+      run_step(in, records, record, &listener);
+    } catch (...) {
+      in.walk.reset();
+      if (history) history->give_up();
+      throw;
+    }
+    in.walk.reset();
+    FemNodes handed_over;
+    if (!records.empty()) std::swap(handed_over, records.back().equilibrium.nodes);
+    if (history) history->keep(std::move(handed_over));
+    records.push_back(std::move(record));
+    return records.back();
+  }
+
+  /// The last step, where one is that the session can still show otherwise.
+  StepRecord* last_shown() { return history || records.empty() ? nullptr : &records.back(); }
+};
+
+Session::Session(const std::string& path, const SessionOptions& options, Progress* progress)
+    : m_parts(std::make_unique<Parts>()) {
+  Listener listener(m_parts->messages, progress);
+  open(m_parts->in, path, options, &listener);
+  if (options.keeps_undo) m_parts->history.emplace(m_parts->in);
+}
+
+Session::~Session() = default;
+
+const Geometry& Session::geometry() const {
+  return m_parts->in.state.geometry;
+}
+const Body& Session::body() const {
+  return m_parts->in.body;
+}
+const MaterialTable& Session::material() const {
+  return m_parts->in.material;
+}
+const LinkCuts& Session::cuts() const {
+  return m_parts->in.cuts();
+}
+const LinkCheck& Session::links() const {
+  return m_parts->in.links;
+}
+const std::vector<StepRecord>& Session::records() const {
+  return m_parts->records;
+}
+const std::vector<std::string>& Session::messages() const {
+  return m_parts->messages;
+}
+bool Session::has_shifted_pieces() const {
+  return m_parts->in.has_shifted_pieces();
+}
+
 void Session::check(const Step& step) const {
   placed_at(step, [&] {
-    require_points(step, m_body);
-    check_elements(on_grid(step, geometry()));
+    require_points(step, body());
+    m_parts->in.check_elements(on_grid(step, geometry()));
   });
 }
 
-void Session::check_elements(const Step& request) const {
-  const auto waits = [&](const Selection& selection) {  // for pieces that a step makes
-    return selection.rigid_at && m_body.rigid.empty();
-  };
-  for (const Drag& drag : request.drags) {
-    if (drag.selection && waits(*drag.selection)) continue;
-    const Region region = region_of(drag);
-    require_element(region, "grab", m_body, m_state, m_source);
-    elements_of(m_body, region, "grab");
-  }
-  for (const ChosenPart& part : request.fix) {
-    if (const IndexBox* box = part.box()) {
-      require_element(*box, "fix", m_body, m_state, m_source);
-      elements_of(m_body, *box, "fix");
-    } else if (part.label != 0) {
-      require_label(m_state.labels, part.label, "fix");
-    } else if (!waits(*part.selection)) {
-      supple::region_of(*part.selection, m_body, m_state.density, "fix");
-    }
-  }
-}
-
 std::vector<HandlePlace> Session::places(const Step& step) const {
+  const SessionBody& in = m_parts->in;
   std::vector<HandlePlace> places;
-  for (const Drag& drag : on_grid(step, geometry()).drags)
-    places.push_back(place_of(region_of(drag), m_body, m_state));
+  for (const Drag& drag : on_grid(step, geometry()).drags) {
+    places.push_back(place_of(in.region_of(drag), in.body, in.state));
+  }
   return places;
-}
-
-void Session::release_and_fix(const Step& request) {
-  if (request.release) {
-    m_state.anchors.clear();
-    m_state.anchor_labels.clear();
-    m_state.anchor_selections.clear();
-    m_holds = {};
-    m_ledger.release();
-    forget_shifts();
-  }
-  const auto add = [](auto& list, const auto& item) {
-    if (std::find(list.begin(), list.end(), item) == list.end()) list.push_back(item);
-  };
-  for (const ChosenPart& part : request.fix) {
-    if (const IndexBox* box = part.box()) {
-      add(m_state.anchors, *box);
-    } else if (part.label != 0) {
-      require_label(m_state.labels, part.label, "fix");
-      add(m_state.anchor_labels, part.label);
-    } else {
-      add(m_state.anchor_selections, selection_value(*part.selection));
-    }
-  }
-  if (request.release || !request.fix.empty()) find_anchors();
 }
 
 const StepRecord& Session::step(const Step& step, Progress* progress, double time) {
   return placed_at(step, [&]() -> const StepRecord& {
-    require_points(step, m_body);
-    return take(on_grid(step, geometry(), time), progress);
+    require_points(step, body());
+    return m_parts->take(on_grid(step, geometry(), time), progress);
   });
-}
-
-const StepRecord& Session::take(const Step& request, Progress* heard) {
-  Listener listener(m_messages, heard);
-  StepRecord record;
-  static_cast<Step&>(record) = request;
-  std::optional<Before> earlier;
-  if (m_keeps_undo) earlier = before(record);
-  m_pose.reset();
-  try {
-    run_step(record, &listener);
-  } catch (...) {
-    m_walk.reset();
-    if (earlier) restore(std::move(*earlier));
-    throw;
-  }
-  m_walk.reset();
-  FemNodes handed_over;
-  if (!m_records.empty()) std::swap(handed_over, m_records.back().equilibrium.nodes);
-  if (earlier) {
-    earlier->handed_over = std::move(handed_over);
-    keep(std::move(*earlier));
-  }
-  m_records.push_back(std::move(record));
-  return m_records.back();
 }
 
 const StepRecord& Session::drag(const Region& grabbed, const Vec3d& by_mm, Progress* progress) {
@@ -349,30 +305,55 @@ const StepRecord& Session::release(Progress* progress) {
   return step(request, progress);
 }
 
+bool Session::undo() {
+  if (!m_parts->history)
+    throw std::logic_error("undo() of a session without SessionOptions::keeps_undo");
+  if (m_parts->history->steps() == 0) return false;
+  FemNodes handed_over = m_parts->history->take_back();
+  std::vector<StepRecord>& records = m_parts->records;
+  records.pop_back();
+  if (!records.empty()) records.back().equilibrium.nodes = std::move(handed_over);
+  m_parts->pose.reset();
+  return true;
+}
+
+std::size_t Session::undo_steps() const {
+  return m_parts->history ? m_parts->history->steps() : 0;
+}
+
+std::size_t Session::undo_bytes() const {
+  return m_parts->history ? m_parts->history->bytes() : 0;
+}
+
+void Session::show_frame(int frame) {
+  StepRecord* const last = m_parts->last_shown();
+  if (last == nullptr || !last->equilibrium.motion) throw std::logic_error("no motion to show");
+  supple::show_frame(std::size_t(frame), last->equilibrium, m_parts->in.body);
+  m_parts->pose.reset();
+}
+
+void Session::show_mode(int number) {
+  StepRecord* const last = m_parts->last_shown();
+  if (last == nullptr || !last->equilibrium.modes) throw std::logic_error("no modes to show");
+  supple::show_mode(number, last->equilibrium, m_parts->in.body);
+  last->fem->modes->shape = number;
+  m_parts->pose.reset();
+}
+
 std::string Session::journal() const {
-  return journal_json(m_state.configuration, m_records);
+  return journal_json(m_parts->in.state.configuration, m_parts->records);
 }
 
 State Session::state() const {
-  State state = m_state;
-  state.q = m_body.q;
-  if (m_body.rigid.empty()) {
-    state.cuts = m_body.cuts;
-  } else {
-    state.pieces = *m_body.rigid.number_of;
-    state.piece_records = records_of(m_body.rigid);
-  }
-  state.rest = m_body.rest;
-  state.velocity_mm_s = m_body.velocity_mm_s;
-  state.beyond = m_body.beyond;
+  State state = state_of(m_parts->in);
   state.configuration = journal();
   return state;
 }
 
 const Pose& Session::pose(Progress* progress) {
-  Listener listener(m_messages, progress);
-  if (!m_pose) m_pose = invert_state(state(), &listener);
-  return *m_pose;
+  Listener listener(m_parts->messages, progress);
+  if (!m_parts->pose) m_parts->pose = invert_state(state(), &listener);
+  return *m_parts->pose;
 }
 
 void Session::write_state(const std::string& path, Progress* progress) {
@@ -380,7 +361,7 @@ void Session::write_state(const std::string& path, Progress* progress) {
 }
 
 void Session::write_warp(const std::string& path, Progress* progress) {
-  Listener listener(m_messages, progress);
+  Listener listener(m_parts->messages, progress);
   WarpOutput output;
   output.path = path;
   output.grid = geometry();

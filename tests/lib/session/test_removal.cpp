@@ -1,30 +1,46 @@
 // Remains of bodies where elements are taken out.
 #include <cmath>
+#include <memory>
 
 #include <gtest/gtest.h>
 
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
+#include "volumes/base/json.h"
 
 using namespace supple;
 using namespace supple::test;
 
+namespace {
+
+/// A session of a block of 20 x 20 x 20 voxels, the first of which is none.
+struct BlockSession {
+  TemporaryFolder folder;
+  std::unique_ptr<Session> session;
+
+  BlockSession() {
+    std::string voxels(20 * 20 * 20, char(100));
+    voxels[0] = 0;
+    write_text(folder / "block.raw", voxels);
+    write_text(folder / "block.nhdr",
+               "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
+               "sizes: 20 20 20\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+               "space origin: (0,0,0)\nencoding: raw\ndata file: block.raw\n");
+    SessionOptions options;
+    options.material = parse_material(
+        "domain = [0, 100]\nactive = [1, 100]\nmax_length = [[0, 1.2]]\n"
+        "min_length = [[0, 0.8]]\nshear = [[0, 0.3]]\n",
+        "test");
+    session = std::make_unique<Session>(folder / "block.nhdr", options);
+  }
+};
+
+}  // namespace
+
 TEST(UnitRemoval, DensitiesFallToThoseOfAirWithinAVoxelOfTheSurfaceOfABall) {
-  const TemporaryFolder folder;
-  std::string voxels(20 * 20 * 20, char(100));
-  voxels[0] = 0;
-  write_text(folder / "block.raw", voxels);
-  write_text(folder / "block.nhdr",
-             "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\n"
-             "sizes: 20 20 20\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
-             "space origin: (0,0,0)\nencoding: raw\ndata file: block.raw\n");
-  SessionOptions options;
-  options.material = parse_material(
-      "domain = [0, 100]\nactive = [1, 100]\nmax_length = [[0, 1.2]]\n"
-      "min_length = [[0, 0.8]]\nshear = [[0, 0.3]]\n",
-      "test");
-  Session session(folder / "block.nhdr", options);
+  const BlockSession block;
+  Session& session = *block.session;
   Step request;
   ChosenPart ball;
   ball.selection = Selection();
@@ -44,4 +60,18 @@ TEST(UnitRemoval, DensitiesFallToThoseOfAirWithinAVoxelOfTheSurfaceOfABall) {
     partial += beyond < 0 && beyond > -1;
   }
   EXPECT_GT(partial, 200);
+}
+
+TEST(UnitRemoval, TheJournalTellsOfEachStepOnceWhereALaterOneRemoves) {
+  const BlockSession block;
+  Session& session = *block.session;
+  session.drag(IndexBox{{5, 5, 5}, {5, 5, 5}}, {1, 0, 0});
+  Step removal;
+  ChosenPart corner;
+  corner.selection = Selection();
+  corner.selection->box = IndexBox{{17, 17, 17}, {19, 19, 19}};
+  removal.remove = {corner};
+  session.step(removal);
+  EXPECT_EQ(parse_json(session.journal())["steps"].size(), 2u);
+  EXPECT_EQ(session.state().configuration, session.journal());
 }

@@ -6,7 +6,7 @@
 
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
-#include "lib/session/tissue.h"
+#include "lib/material/tissue.h"
 #include "tests/support/errors.h"
 #include "tests/support/temporary_folder.h"
 

@@ -10,6 +10,7 @@
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/json.h"
+#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

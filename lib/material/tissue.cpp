@@ -1,4 +1,4 @@
-#include "lib/session/tissue.h"
+#include "lib/material/tissue.h"
 
 #include <algorithm>
 #include <cmath>

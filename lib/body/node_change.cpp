@@ -1,4 +1,4 @@
-#include "lib/session/node_change.h"
+#include "lib/body/node_change.h"
 
 #include <algorithm>
 #include <cstring>
