@@ -18,6 +18,7 @@
 #include "lib/session/retraction.h"
 #include "lib/session/rigid_request.h"
 #include "lib/session/spring_step.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -33,6 +34,7 @@ enum class Limits { box, ball, tighten };
 /// pose on. Cuts, removals, new pieces, anchors and retractions come with the first.
 struct Step {
   std::string place = {};  // "file:line", for errors; empty: a program's
+  Value keys = {};         // of a [[step]] that says all this, as written; null: a program's
   std::vector<Drag> drags = {};
   std::vector<ChosenPart> fix = {};  // anchors
   bool release = false;              // lets go of everything that earlier steps held

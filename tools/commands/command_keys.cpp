@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <set>
 
+#include "lib/session/file/cut_keys.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/scene/file/cut_keys.h"
 #include "tools/scene/file/live_event.h"
 #include "tools/scene/file/scene.h"
 #include "volumes/base/json.h"

@@ -146,8 +146,8 @@ void OpenScene::begins() {
 void OpenScene::check(const LiveEvent& event) {
   if (event.kind != EventKind::model || !event.step.springs) return;
   const auto price = price_of(event, m_live.session());
-  if (!price || price->seconds <= kMostDrag_s || m_warned_model == event.keys) return;
-  m_warned_model = event.keys;
+  if (!price || price->seconds <= kMostDrag_s || m_warned_model == event.step.keys) return;
+  m_warned_model = event.step.keys;
   throw InputError({event.place, "model", price->text,
                     "springs chosen once more, to use them all the same; finite elements; a crop"});
 }

@@ -142,9 +142,9 @@ Value handles_json(const LiveSession& live, const HeldParts& held, const StatePa
     handles.back()["is_place"] = true;
   }
   for (std::size_t n = 0; n < held.handles.size(); ++n) {
-    const auto middle = middle_of(held.handles[n].given(), state.geometry);
+    const auto middle = middle_of(*held.handles[n].placed, state.geometry);
     if (!middle) continue;
-    Value& handle = handles.push_back(held_json("grab", held.handles[n].keys));
+    Value& handle = handles.push_back(held_json("grab", held.handles[n].placed->keys));
     add_places(handle, *middle, state, moved);
     if (live.can_let_go_of_one()) handle["number"] = n + 1;
   }
@@ -160,9 +160,9 @@ Value anchors_json(const LiveSession& live, const HeldParts& held, const StatePa
     if (middle) add_places(anchor, *middle, state, moved);
   }
   for (std::size_t n = 0; n < held.anchors.size(); ++n) {
-    const HeldPart& part = held.anchors[n];
+    const PlacedSelection& part = held.anchors[n];
     Value& anchor = anchors.push_back(held_json("anchor", part.keys));
-    const auto middle = middle_of(part.given(), state.geometry);
+    const auto middle = middle_of(part, state.geometry);
     if (middle) add_places(anchor, *middle, state, moved);
     if (live.can_let_go_of_one()) anchor["number"] = n + 1;
   }
@@ -178,7 +178,7 @@ Value cuts_json(const std::vector<LiveSession::DoneStep>& done, const StateParts
   std::size_t number = 0;
   for (const LiveSession::DoneStep& step : done) {
     if (step.step.cuts.empty()) continue;
-    const Value& all = step.keys["cut"];
+    const Value& all = step.step.keys["cut"];
     for (std::size_t n = 0; n < all.size(); ++n) {
       const std::vector<CutSurface>& surfaces = step.step.cuts;
       cuts.push_back(cut_json(all[n], n < surfaces.size() ? &surfaces[n] : nullptr, state, moved));

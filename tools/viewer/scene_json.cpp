@@ -187,7 +187,7 @@ Value OpenScene::body_description() {
   scene["grab"] = nullptr;
   if (const auto& grab = m_live.grabbed()) {
     Value event = {{"kind", name_of(grab->kind)}};
-    event.update(grab->keys);
+    event.update(keys_of(*grab));
     scene["grab"] = {{"event", event}, {"reached", m_live.reached()}, {"page", grab->page}};
   }
   if (const auto& led = m_live.led()) scene["drag"] = drag_json(*led);

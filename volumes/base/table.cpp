@@ -205,6 +205,15 @@ std::string Table::input(const std::string& key, const std::string& path) {
   return found;
 }
 
+Value Table::written() const {
+  Value keys = *m_table;
+  for_each_text(keys, "", [&](const std::string& key, std::string& text) {
+    const auto found = inputs().find({key, text});
+    if (found != inputs().end()) text = found->second;
+  });
+  return keys;
+}
+
 Table Table::named_file(const std::string& key) {
   Table named = read(require(path(key), key, "the path of a file"));
   named.admit_inputs(admits());

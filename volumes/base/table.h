@@ -89,6 +89,9 @@ class Table {
   using Inputs = std::map<std::pair<std::string, std::string>, std::string>;
   const Inputs& inputs() const { return m_file_data->inputs; }
   const Value& value() const { return *m_table; }
+  /// The values with absolute paths of the inputs that have been read, so that they mean the same
+  /// in any folder.
+  Value written() const;
 
   /// The value must be there; throws InputError naming the key otherwise.
   template <class T>

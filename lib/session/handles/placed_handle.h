@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "volumes/base/fields.h"
+#include "volumes/base/value.h"
 #include "volumes/geometry/pose_path.h"
 #include "volumes/io/point_file.h"
 
@@ -23,6 +24,7 @@ enum class PlaceFrame { voxel, lps, ras };
 /// rigid_at, which narrow a box or a ball.
 struct PlacedSelection {
   std::string place;  // "file:line" of a scene, for errors
+  Value keys;         // all this as written, and of a handle how it holds; null: a program's
   PlaceFrame frame = PlaceFrame::voxel;
   std::optional<std::array<Vec3d, 2>> corners;  // of a box; a voxel is a box of one
   std::optional<Vec3d> at_lps_mm;

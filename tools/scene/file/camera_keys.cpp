@@ -1,5 +1,6 @@
 #include "tools/scene/file/camera_keys.h"
 
+#include "lib/session/file/handle_keys.h"
 #include "lib/session/handles/handles.h"
 #include "tools/scene/file/film.h"
 #include "volumes/base/error.h"

@@ -4,8 +4,7 @@
 
 #include <vector>
 
-#include "volumes/base/error.h"
-#include "volumes/base/table.h"
+#include "volumes/base/fields.h"
 
 namespace supple::tools {
 
@@ -22,13 +21,5 @@ struct Film {
   int frames_until(double time) const;
 };
 Fields fields(Film& film);
-
-/// Throws InputError where the last key of a list comes before the one ahead of it.
-template <class Keys>
-void require_later(const Table& table, const Keys& keys) {
-  if (keys.size() < 2 || keys.back().time > keys[keys.size() - 2].time) return;
-  table.fail("time", number_text(keys.back().time),
-             "a time after that of the key before it, " + number_text(keys[keys.size() - 2].time));
-}
 
 }  // namespace supple::tools

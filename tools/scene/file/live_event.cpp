@@ -1,8 +1,8 @@
 #include "tools/scene/file/live_event.h"
 
-#include "tools/scene/file/cut_keys.h"
-#include "tools/scene/file/handle_keys.h"
-#include "tools/scene/file/model_keys.h"
+#include "lib/session/file/cut_keys.h"
+#include "lib/session/file/handle_keys.h"
+#include "lib/session/file/step_keys.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {
@@ -37,7 +37,7 @@ Fields own_fields(LiveEvent& event) {
 
 /// The keys of the table that are not the event's own.
 Value other_keys(const Table& table, const Fields& own) {
-  Value keys = table.value();
+  Value keys = table.written();
   for (const Field& field : own) keys.erase(field.name());
   return keys;
 }
@@ -114,7 +114,41 @@ void read_keys(Table& table, const LabelNames& names, LiveEvent& event) {
   }
 }
 
+/// The keys of a [[step]] for those of the event; grab and push keep theirs with their handle.
+void keep_keys(Value keys, LiveEvent& event) {
+  switch (event.kind) {
+    case EventKind::cut:
+      event.step.keys = {{"cut", Value::List{std::move(keys)}}};
+      return;
+    case EventKind::anchor:
+      event.step.keys = {{"anchors", Value::List{std::move(keys)}}};
+      return;
+    case EventKind::relax:
+      event.step.keys = {{"relax", std::move(keys)}};
+      return;
+    default:
+      (event.is_of_view() ? event.view : event.step.keys) = std::move(keys);
+  }
+}
+
 }  // namespace
+
+const Value& keys_of(const LiveEvent& event) {
+  const Step& step = event.step;
+  switch (event.kind) {
+    case EventKind::grab:
+    case EventKind::push:
+      return step.drags.front().placed->keys;
+    case EventKind::cut:
+      return step.keys["cut"].front();
+    case EventKind::anchor:
+      return step.keys["anchors"].front();
+    case EventKind::relax:
+      return step.keys["relax"];
+    default:
+      return event.is_of_view() ? event.view : step.keys;
+  }
+}
 
 const char* name_of(EventKind kind) {
   return kind_names()[std::size_t(kind)].c_str();
@@ -154,12 +188,12 @@ LiveEvent read_event(Table& table, const LabelNames& names) {
   table.read({fields(event).front()});
   const Fields own = own_fields(event);
   table.read(own);
-  event.keys = other_keys(table, own);
   table.know({"kind", "at", "merged"});  // a step finishes its table
   if (event.is_of_view()) table.know({"preset", "transfer"});
   read_keys(table, names, event);
   table.finish();
   event.step.place = event.place;
+  keep_keys(other_keys(table, own), event);
   return event;
 }
 

@@ -47,12 +47,15 @@ struct LiveEvent {
   bool restore = false, no_relax = false;
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
   Limits limits = Limits::box;
-  Value keys = Value::table();  // those of the kind, as in scenes
-  Step step;  // what they say; of grab and push its one handle, which does not move
+  /// Its keys are those of a [[step]]; of grab and push its one handle, which does not move.
+  Step step;
+  Value view;  // of camera, look and clip: the keys of that part of a view
 
   bool is_of_view() const { return kind >= EventKind::camera; }
 };
 Fields fields(LiveEvent& event);
+/// The keys of an event that are not its own fields, as a journal has them.
+const Value& keys_of(const LiveEvent& event);
 const char* name_of(EventKind kind);
 
 /// Reads an entry of [[event]]. Throws InputError as Table does.

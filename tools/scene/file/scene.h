@@ -8,8 +8,8 @@
 
 #include "lib/material/material.h"
 #include "lib/session/cut_surface.h"
+#include "lib/session/file/step_keys.h"
 #include "lib/session/session.h"
-#include "tools/scene/file/fem_keys.h"
 #include "tools/scene/file/film.h"
 #include "tools/scene/file/scene_output.h"
 #include "tools/scene/file/view.h"
@@ -45,24 +45,6 @@ struct Scene {
   /// Steps before the first whose handles follow a path: the same in all frames.
   std::size_t still_steps() const;
 };
-
-enum class StepModel { ecm, springs, fem };
-
-/// Keys of a [[step]] that choose among members of a Step.
-struct StepKeys {
-  StepModel model = StepModel::ecm;
-  std::optional<NumberPair> fix_density;  // an anchor
-};
-/// Keys of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax,
-/// springs, fem.
-Fields fields(Step& step, StepKeys& keys);
-
-/// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.
-MaterialTable read_material_choice(Table& table, const LabelNames& names,
-                                   std::string* path = nullptr);
-
-/// Reads an entry of [[step]].
-Step read_step(Table& table, const LabelNames& names);
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.
 Scene read_scene(const std::string& path);

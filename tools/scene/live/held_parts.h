@@ -2,26 +2,19 @@
 #pragma once
 
 #include "tools/scene/live/live_session.h"
-#include "volumes/base/value.h"
 
 namespace supple::tools {
 
-struct HeldPart {
-  Drag held;   // of an anchor its selection alone
-  Value keys;  // those of its selection, and how soft a handle is
-
-  const PlacedSelection& given() const { return *held.placed; }
-};
-
 struct HeldParts {
-  std::vector<HeldPart> handles, anchors;
+  std::vector<Drag> handles;  // which stay where they are
+  std::vector<PlacedSelection> anchors;
   bool has_others = false;  // fixed labels or points, which are not taken one by one
 };
 
 /// Finds parts held since everything was let go of last. Drags of one stroke are one handle.
 HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done);
 
-/// A step that lets go of everything but these, which stay where they are. Sets `keys` to its keys.
-Step step_that_keeps(const HeldParts& parts, Value& keys);
+/// A step that lets go of everything but these, which stay where they are.
+Step step_that_keeps(const HeldParts& parts);
 
 }  // namespace supple::tools

@@ -75,8 +75,8 @@ void LiveSession::take_out_cut(const LiveEvent& event, Progress* progress) {
   std::vector<DoneStep> steps = before;
   DoneStep& cutting = steps.front();
   cutting.step.cuts.erase(cutting.step.cuts.begin() + std::ptrdiff_t(place));
-  cutting.keys["cut"].erase(place);
-  if (cutting.step.cuts.empty()) cutting.keys.erase("cut");
+  cutting.step.keys["cut"].erase(place);
+  if (cutting.step.cuts.empty()) cutting.step.keys.erase("cut");
   if (cutting.step.does_nothing()) steps.erase(steps.begin());
   const std::vector<DoneStep> undone = m_undone;
   const auto take_back_to_it = [&] {

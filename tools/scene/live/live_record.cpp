@@ -1,10 +1,8 @@
 // Records of a live session: a journal of its events, as they happen and as a whole, and a scene of
 // the steps that have not been taken back.
-#include "tools/scene/live/live_record.h"
-
 #include <filesystem>
 
-#include "volumes/base/value.h"
+#include "tools/scene/live/live_session.h"
 
 namespace supple::tools {
 
@@ -41,23 +39,15 @@ Value keys_of_event(const LiveEvent& event) {
   if (event.kind == EventKind::limits) {
     json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];
   }
-  json.update(event.keys);
+  json.update(keys_of(event));
   return json;
 }
 
 }  // namespace
 
-Value with_absolute_paths(Value keys, const Table& read) {
-  for_each_text(keys, "", [&](const std::string& key, std::string& text) {
-    const auto found = read.inputs().find({key, text});
-    if (found != read.inputs().end()) text = found->second;
-  });
-  return keys;
-}
-
 void LiveSession::read_head(const Table& root) {
   m_admits = root.admits();
-  m_head = head_of(with_absolute_paths(root.value(), root), m_scene);
+  m_head = head_of(root.written(), m_scene);
 }
 
 void LiveSession::record(const LiveEvent& event, bool replaces_last) {
@@ -76,7 +66,7 @@ Value LiveSession::journal() const {
 
 Value LiveSession::batch_scene() const {
   Value scene = m_head;
-  for (const DoneStep& done : m_done) scene["step"].push_back(done.keys);
+  for (const DoneStep& done : m_done) scene["step"].push_back(done.step.keys);
   scene["view"].push_back(m_view_keys)["size"] = m_view.size;
   scene["output"] = {{"state", "live.vdb"}};
   if (m_scene.output.refers) scene["output"]["refer"] = true;

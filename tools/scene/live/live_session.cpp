@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "tools/scene/live/held_parts.h"
-#include "tools/scene/live/live_record.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
 #include "volumes/base/value.h"
@@ -13,11 +12,11 @@ namespace supple::tools {
 
 namespace {
 
-/// Returns keys as in a scene, not as records name them.
+/// Returns the keys of a step that relaxes, as in a scene, not as records name them.
 Value relax_keys(RelaxParams params) {
   Value keys;
   for (const Field& field : fields(params)) {
-    keys[field.name()] = field.value();
+    keys["relax"][field.name()] = field.value();
   }
   return keys;
 }
@@ -60,18 +59,14 @@ void LiveSession::read_events(const Table& whole) {
   for (Table& table : root.tables("event")) {
     m_events.push_back(read_event(table, m_scene.label_names));
   }
-  for (LiveEvent& event : m_events) event.keys = with_absolute_paths(event.keys, root);
-  const Value file = with_absolute_paths(root.value(), root);
   if (!m_events.empty() && !m_scene.steps.empty()) {
     throw InputError({m_scene.steps.front().place, "step", "a step beside events",
                       "events of a journal, or steps of a scene"});
   }
-  for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
-    LiveEvent event;
-    event.place = m_scene.steps[n].place;
-    event.step = m_scene.steps[n];
-    event.keys = file["step"][n];
-    m_events.push_back(std::move(event));
+  for (const Step& step : m_scene.steps) {
+    LiveEvent& event = m_events.emplace_back();
+    event.place = step.place;
+    event.step = step;
   }
 }
 
@@ -125,12 +120,6 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       if (event.cut == 0) return release(event, progress);
       take_out_cut(event, progress);
       break;
-    case EventKind::cut:
-      run(event.kind, event.step, {{"cut", Value::List{event.keys}}}, progress);
-      break;
-    case EventKind::anchor:
-      run(event.kind, event.step, {{"anchors", Value::List{event.keys}}}, progress);
-      break;
     case EventKind::model:
       m_model.reset();
       if (event.step.springs || event.step.fem) m_model = event;
@@ -148,7 +137,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       make_again(event.all, event.looks, progress);
       break;
     default:
-      run(event.kind, event.step, event.keys, progress);
+      run(event.kind, event.step, progress);
   }
   record(event);
 }
@@ -164,27 +153,25 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   Step step;
   step.place = event.place;
   step.drags = m_grab->step.drags;
-  step.drags.front().placed->by = by;
+  Drag& handle = step.drags.front();
+  handle.placed->by = by;
+  Value handle_keys = handle.placed->keys;
+  handle_keys["by"] = by;
+  if (handle.pushes) handle_keys["push"] = handle.placed->keys["push"] = true;
   step.no_relax = true;
+  step.keys = {{"handles", Value::List{std::move(handle_keys)}}, {"no_relax", true}};
   step.shift_pieces = !m_session->body().rigid.empty() && model() != StepModel::springs;
+  if (step.shift_pieces) step.keys["shift_pieces"] = true;
   if (model() == StepModel::springs) {
     step.springs = m_model->step.springs;
-  } else {
+    step.keys.update(m_model->step.keys);
+  } else if (m_limits != Limits::box) {
     step.limits = m_limits;
+    step.keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
   }
   check_places(step, m_session->geometry());
-  Value handle = m_grab->keys;
-  handle["by"] = by;
-  if (step.drags.front().pushes) handle["push"] = true;
-  Value keys = {{"handles", Value::List{handle}}, {"no_relax", true}};
-  if (step.shift_pieces) keys["shift_pieces"] = true;
-  if (step.springs) {
-    keys.update(m_model->keys);
-  } else if (m_limits != Limits::box) {
-    keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
-  }
   const Vec3d before = m_reached;
-  run(event.kind, step, keys, progress);
+  run(event.kind, step, progress);
   const StepRecord& record = m_session->records().back();
   m_reached = before + way_done(record, by);
   const std::int64_t moved = m_led ? m_led->moved : 0;
@@ -212,7 +199,8 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     Step step;
     step.place = event.place;
     step.release = true;
-    run(event.kind, step, {{"release", true}}, progress);
+    step.keys = {{"release", true}};
+    run(event.kind, step, progress);
   }
   if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, is_unsettled, progress);
   m_grab.reset();
@@ -227,7 +215,7 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   relaxation.place = event.place;
   relaxation.at_ms = event.at_ms;
   relaxation.step.relax = tissue_relaxation(m_session->material().relaxes_by_poisson);
-  relaxation.keys = relax_keys(*relaxation.step.relax);
+  relaxation.step.keys = relax_keys(*relaxation.step.relax);
   m_relaxation = relaxation;
   m_pending = relaxation.step.relax->passes;
 }
@@ -244,29 +232,31 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
   const char* const field = is_handle ? "handle" : "anchor";
   const int number = is_handle ? event.handle : event.anchor;
   HeldParts parts = held_parts(m_done);
-  std::vector<HeldPart>& list = is_handle ? parts.handles : parts.anchors;
-  if (std::size_t(number) > list.size()) {
+  const std::size_t count = is_handle ? parts.handles.size() : parts.anchors.size();
+  if (std::size_t(number) > count) {
     throw InputError({event.place, field, std::to_string(number),
-                      "one of " + std::to_string(list.size()) + " that there are, from 1"});
+                      "one of " + std::to_string(count) + " that there are, from 1"});
   }
   if (!can_let_go_of_one()) {
     throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
                       "all, which lets go of everything"});
   }
   if (settles) settle_drags(progress);
-  list.erase(list.begin() + number - 1);
-  Value keys;
-  Step step = step_that_keeps(parts, keys);
+  if (is_handle) {
+    parts.handles.erase(parts.handles.begin() + number - 1);
+  } else {
+    parts.anchors.erase(parts.anchors.begin() + number - 1);
+  }
+  Step step = step_that_keeps(parts);
   step.place = event.place;
-  run(event.kind, step, keys, progress);
+  run(event.kind, step, progress);
 }
 
-void LiveSession::run(EventKind kind, const Step& step, Value keys, Progress* progress) {
+void LiveSession::run(EventKind kind, const Step& step, Progress* progress) {
   m_session->step(step, progress);
   m_undone.clear();
   m_undone_looks.clear();
-  m_done.push_back(
-      {kind, stroke_of(kind, step), ++m_order, step, std::move(keys), m_reached, m_reached});
+  m_done.push_back({kind, stroke_of(kind, step), ++m_order, step, m_reached, m_reached});
 }
 
 /// Handles are held where the drags left them.
@@ -275,12 +265,12 @@ void LiveSession::settle_drags(Progress* progress) {
   event.kind = EventKind::step;
   if (model() == StepModel::fem) {
     event.step.fem = m_model->step.fem;
-    event.keys = m_model->keys;
+    event.step.keys = m_model->step.keys;
   } else {
     event.step.turn_pieces = true;
-    event.keys = {{"turn_pieces", true}};
+    event.step.keys = {{"turn_pieces", true}};
   }
-  run(event.kind, event.step, event.keys, progress);
+  run(event.kind, event.step, progress);
   m_is_unsettled = false;
   record(event);
 }
@@ -288,11 +278,12 @@ void LiveSession::settle_drags(Progress* progress) {
 void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) {
   LiveEvent slice = event;
   slice.step.relax->passes = std::min(passes, kSlicePasses);
-  slice.keys["passes"] = slice.step.relax->passes;
+  slice.step.keys["relax"]["passes"] = slice.step.relax->passes;
   Step step;
   step.place = event.place;
   step.relax = slice.step.relax;
-  run(event.kind, step, {{"relax", relax_keys(*slice.step.relax)}}, progress);
+  step.keys = relax_keys(*step.relax);
+  run(event.kind, step, progress);
   const RelaxReport& done = m_session->records().back().relaxed;
   m_pending = done.end == RelaxEnd::passes ? passes - slice.step.relax->passes : 0;
   record(slice);
@@ -300,8 +291,8 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
   double& budget = m_relaxation->step.relax->budget_million;
   if (budget <= 0) return;
   budget -= done.looked_at_million;
-  m_relaxation->keys = slice.keys;
-  m_relaxation->keys["budget"] = budget;
+  m_relaxation->step.keys = slice.step.keys;
+  m_relaxation->step.keys["relax"]["budget"] = budget;
 }
 
 void LiveSession::go_on(Progress* progress) {

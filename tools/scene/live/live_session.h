@@ -61,7 +61,6 @@ class LiveSession {
     int stroke;
     int order;  // among steps, looks and clips
     Step step;
-    Value keys;  // of a [[step]]
     Vec3d reached_before;
     Vec3d reached;
   };
@@ -109,7 +108,7 @@ class LiveSession {
   void release(const LiveEvent& event, Progress* progress);
   void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);
   void take_out_cut(const LiveEvent& event, Progress* progress);
-  void run(EventKind kind, const Step& step, Value keys, Progress* progress);
+  void run(EventKind kind, const Step& step, Progress* progress);
   void settle_drags(Progress* progress);
   int stroke_of(EventKind kind, const Step& step);
   bool take_back();

@@ -1,7 +1,6 @@
 // Looks at a live session: the view that a file begins with, and the events that change it.
 #include "tools/scene/live/live_view.h"
 
-#include "tools/scene/live/live_record.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/value.h"
 
@@ -55,7 +54,7 @@ void LiveSession::choose_view(const Table& root, Progress* progress) {
   if (shown != nullptr) {
     const auto number = std::size_t(shown - views.data());
     m_view = *shown;
-    m_view_keys = with_absolute_paths(root.value(), root)["view"][number];
+    m_view_keys = root.written()["view"][number];
     if (views.size() > 1) {
       note(progress, "of " + std::to_string(views.size()) + " views number " +
                          std::to_string(number + 1) +
@@ -80,9 +79,9 @@ void LiveSession::begin_with_look(const std::string& preset) {
 /// Records the last of cameras in a row alone, and of looks or clips the last of one step.
 void LiveSession::change_view(const LiveEvent& event) {
   const Value before = part_of(m_view_keys, event.kind);
-  set_part_of_view(event.kind, event.keys, event.place);
+  set_part_of_view(event.kind, event.view, event.place);
   LiveEvent carried_out = event;
-  carried_out.keys = part_of(m_view_keys, event.kind);
+  carried_out.view = part_of(m_view_keys, event.kind);
   const bool follows_its_kind = event.kind == m_last_recorded;
   if (event.kind == EventKind::camera) return record(carried_out, follows_its_kind);
   m_undone_looks.clear();
@@ -91,9 +90,9 @@ void LiveSession::change_view(const LiveEvent& event) {
                        event.at_ms <= m_looks.back().at_ms + kOneLookMs;
   if (goes_on) {
     m_looks.back().at_ms = event.at_ms;
-    m_looks.back().after = carried_out.keys;
+    m_looks.back().after = carried_out.view;
   } else {
-    m_looks.push_back({event.kind, ++m_order, event.at_ms, before, carried_out.keys});
+    m_looks.push_back({event.kind, ++m_order, event.at_ms, before, carried_out.view});
   }
   record(carried_out, goes_on && follows_its_kind);
 }
@@ -110,7 +109,7 @@ void LiveSession::set_part_of_view(EventKind kind, const Value& part, const std:
   check_view(view);
   view.size = m_view.size;
   m_view = std::move(view);
-  m_view_keys = with_absolute_paths(std::move(keys), root);
+  m_view_keys = root.written()["view"];
 }
 
 bool LiveSession::take_look_back() {

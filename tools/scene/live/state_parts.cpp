@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/scene/file/cut_keys.h"
+#include "lib/session/file/cut_keys.h"
 #include "tools/scene/file/live_event.h"
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"

@@ -27,24 +27,19 @@ std::string list_text(const Value& list) {
   return text;
 }
 
-const Value& first_handle(const Value& keys) {
-  const bool has_list = keys.contains("handles") && !keys["handles"].empty();
-  return has_list ? keys["handles"].front() : keys;
-}
-
 std::string drag_text(const LiveSession::DoneStep& first, const Vec3d& way) {
   const bool is_push = first.step.drags.front().pushes;
   const std::size_t handles = first.step.drags.size();
   std::string text = std::string(is_push ? "push " : "drag ") + mm_text(std::sqrt(way.dot(way)));
   if (handles > 1) return text + ", " + std::to_string(handles) + " handles";
-  text += " at " + place_text(first_handle(first.keys));
+  text += " at " + place_text(first.step.drags.front().placed->keys);
   return first.step.springs ? text + " by springs" : text;
 }
 
 std::string cut_text(const LiveSession::DoneStep& done) {
   const std::size_t cuts = done.step.cuts.size();
   if (cuts != 1) return std::to_string(cuts) + " cuts";
-  const Value& cut = done.keys["cut"];
+  const Value& cut = done.step.keys["cut"];
   if (!cut.is_list() || cut.size() != 1) return "cut";
   const auto& [shape, keys] = cut.front().entries().front();
   const Value& points = keys["points"];
@@ -65,10 +60,9 @@ int relaxation_passes(const std::vector<const LiveSession::DoneStep*>& stroke) {
   return passes;
 }
 
-std::string anchor_text(const LiveSession::DoneStep& done) {
-  const Value& anchors = done.keys["anchors"];
-  if (anchors.is_list() && anchors.size() == 1) return "anchor at " + place_text(anchors.front());
-  return anchors.is_table() ? "anchor at " + place_text(anchors) : "anchors";
+std::string anchor_text(const Step& step) {
+  const bool is_one = step.fix.size() == 1 && step.fix.front().placed;
+  return is_one ? "anchor at " + place_text(step.fix.front().placed->keys) : "anchors";
 }
 
 /// Names a step of a scene by what it does first.
@@ -87,13 +81,13 @@ std::string scene_step_text(const LiveSession::DoneStep& done) {
   if (!step.rigid.empty() || step.rigid.joint_mm > 0) {
     return "rigid pieces";
   }
-  if (!step.fix.empty()) return anchor_text(done);
+  if (!step.fix.empty()) return anchor_text(step);
   if (step.material) return "material";
   return step.relax ? "relaxation" : "step";
 }
 
 std::string material_text(const LiveSession::DoneStep& done) {
-  const Value& material = done.keys["material"];
+  const Value& material = done.step.keys["material"];
   return material.contains("preset") ? "material " + material["preset"].text()
                                      : std::string("material table");
 }
@@ -161,7 +155,7 @@ std::string step_text(const Stroke& stroke) {
     case EventKind::cut:
       return cut_text(first);
     case EventKind::anchor:
-      return anchor_text(first);
+      return anchor_text(first.step);
     case EventKind::release:
       return release_text(first.step);
     case EventKind::relax: {

@@ -1,11 +1,11 @@
-#include "tools/scene/file/fem_keys.h"
+#include "lib/session/file/fem_keys.h"
 
 #include <cmath>
 #include <string>
 
-#include "tools/scene/file/handle_keys.h"
+#include "lib/session/file/handle_keys.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -53,4 +53,4 @@ FemStep read_fem(Table& table, const LabelNames& names) {
   return fem;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

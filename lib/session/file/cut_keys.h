@@ -6,7 +6,7 @@
 #include "volumes/base/table.h"
 #include "volumes/io/load/label_file.h"
 
-namespace supple::tools {
+namespace supple {
 
 /// Keys of a table `plane` of a cut.
 Fields plane_fields(CutSurface& surface);
@@ -20,4 +20,4 @@ void require_area(const Table& table, const Vec3d& edge1, const Vec3d& edge2);
 /// read_mesh and read_point_file.
 CutSurface read_cut(Table& table, const LabelNames& names);
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -4,9 +4,9 @@
 #include "lib/session/spring_step.h"
 #include "volumes/base/table.h"
 
-namespace supple::tools {
+namespace supple {
 
 /// Throws InputError as Table, and as read_mesh and MeshSurface.
 SpringStep read_spring_step(Table& table);
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -1,11 +1,11 @@
-#include "tools/scene/file/spring_keys.h"
+#include "lib/session/file/spring_keys.h"
 
 #include <filesystem>
 
 #include "lib/contact/mesh_surface.h"
 #include "volumes/base/value.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -122,4 +122,4 @@ SpringStep read_spring_step(Table& table) {
   return step;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

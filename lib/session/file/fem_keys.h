@@ -6,9 +6,9 @@
 #include "volumes/base/table.h"
 #include "volumes/io/load/label_file.h"
 
-namespace supple::tools {
+namespace supple {
 
 /// Throws InputError as Table, and for loads that name no elements.
 FemStep read_fem(Table& table, const LabelNames& names);
 
-}  // namespace supple::tools
+}  // namespace supple

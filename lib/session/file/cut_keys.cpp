@@ -1,11 +1,11 @@
-#include "tools/scene/file/cut_keys.h"
+#include "lib/session/file/cut_keys.h"
 
 #include <filesystem>
 
-#include "tools/scene/file/handle_keys.h"
+#include "lib/session/file/handle_keys.h"
 #include "volumes/io/point_file.h"
 
-namespace supple::tools {
+namespace supple {
 
 Fields plane_fields(CutSurface& surface) {
   return {
@@ -98,4 +98,4 @@ CutSurface read_cut(Table& table, const LabelNames& names) {
   return plane ? read_plane(*plane) : mesh_cut(*mesh);
 }
 
-}  // namespace supple::tools
+}  // namespace supple

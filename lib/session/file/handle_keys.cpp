@@ -1,11 +1,11 @@
-#include "tools/scene/file/handle_keys.h"
+#include "lib/session/file/handle_keys.h"
 
 #include <algorithm>
+#include <set>
 
-#include "tools/scene/file/film.h"
 #include "volumes/base/error.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -50,6 +50,20 @@ void read_corners(Table& table, PlacedSelection& given) {
   }
 }
 
+/// Returns those keys of a handle, an anchor or a step that say what is held, and how.
+Value keys_that_hold(const Table& table) {
+  std::set<std::string> names = {"soft", "push", "spare_fixed", "slide"};
+  names.insert(kOtherKeys.begin(), kOtherKeys.end());
+  PlacedSelection selection;
+  for (const Field& field : fields(selection)) names.insert(field.name());
+  names.erase("path");
+  Value keys = Value::table();
+  for (const auto& [name, value] : table.written().entries()) {
+    if (names.count(name) != 0) keys[name] = value;
+  }
+  return keys;
+}
+
 void read_selection(Table& table, const LabelNames& names, PlacedSelection& given) {
   given.place = table.place("grab");
   table.read(fields(given));
@@ -80,6 +94,7 @@ void read_selection(Table& table, const LabelNames& names, PlacedSelection& give
   if (given.density && !(given.density->first <= given.density->second)) {
     table.fail("grab_density", "the larger one first", "[LEAST, LARGEST]");
   }
+  given.keys = keys_that_hold(table);
 }
 
 void check_turn(const Table& table, const Drag& drag) {
@@ -236,4 +251,4 @@ ChosenPart read_part(Table& table, const LabelNames& names) {
   return part;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -1,0 +1,36 @@
+// A step as a table of keys, of a scene, a journal or a message (docs/scenes.md).
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "lib/session/step.h"
+#include "volumes/base/table.h"
+#include "volumes/io/load/label_file.h"
+
+namespace supple {
+
+enum class StepModel { ecm, springs, fem };
+
+/// Keys of a [[step]] that choose among members of a Step.
+struct StepKeys {
+  StepModel model = StepModel::ecm;
+  std::optional<NumberPair> fix_density;  // an anchor
+};
+/// Keys of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax,
+/// springs, fem.
+Fields fields(Step& step, StepKeys& keys);
+
+/// Reads `springs` or `fem` of the step, unless the model is ECM; without a table its defaults.
+/// Throws InputError for the table of another model, and for relax or limits beside one.
+void read_model(Table& table, const LabelNames& names, StepModel model, Step& step);
+
+/// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.
+MaterialTable read_material_choice(Table& table, const LabelNames& names,
+                                   std::string* path = nullptr);
+
+/// Reads an entry of [[step]]. Throws InputError: unknown key (line and suggestion), wrong type or
+/// value, missing key, a step that does nothing.
+Step read_step(Table& table, const LabelNames& names);
+
+}  // namespace supple
