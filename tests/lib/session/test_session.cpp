@@ -4,9 +4,11 @@
 #include "lib/material/material_file.h"
 #include "lib/relax/cell_moduli.h"
 #include "lib/relax/reaction.h"
+#include "lib/session/file/step_keys.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"
+#include "volumes/base/json.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -295,6 +297,45 @@ TEST_F(UnitSession, PlacesOfAStepAreTheSameInEveryFrameAndOnTheGrid) {
       EXPECT_EQ(error.problem().file, "a.toml:7");
     }
   }
+}
+
+TEST_F(UnitSession, AProgramReadsAStepFromAnyTableWithItsKeys) {
+  const Value handle = {{"grab", {12, 12, 16}}, {"soft", 2}, {"by", {1, -0.5, 2}}};
+  const Value anchor = {{"grab_ball", {12, 12, 6}}, {"radius", 2}};
+  const Value keys = {{"handles", Value::List{handle}},
+                      {"anchors", Value::List{anchor}},
+                      {"fix", Value::List{Value(Vec3i(12, 12, 9))}},
+                      {"fix_density", {1, 10}}};
+  Table table(keys, "host");
+  const Step step = read_step(table, {});
+  EXPECT_EQ(step.keys, keys);
+  EXPECT_EQ(step.drags.front().placed->keys, Value({{"grab", {12, 12, 16}}, {"soft", 2}}));
+  ASSERT_EQ(step.fix.size(), 3u);
+  EXPECT_EQ(step.fix[0].box()->lo, Vec3i(12, 12, 9));
+  EXPECT_EQ(step.fix[1].placed->keys, anchor);
+  EXPECT_EQ(step.fix[2].placed->keys, Value({{"grab_density", {1.0, 10.0}}}));
+  // The session that it asks holds the ball and the box, and a journal has boxes first.
+  Session session(m_ball, m_options);
+  session.step(step);
+  const Value journal = parse_json(session.journal())["steps"].front();
+  std::vector<std::string> names;
+  for (const auto& [name, value] : journal.entries()) names.push_back(name);
+  EXPECT_EQ(std::vector<std::string>(names.begin(), names.begin() + 3),
+            (std::vector<std::string>{"handles", "fix", "anchors"}));
+  EXPECT_EQ(journal["anchors"].size(), 2u);
+}
+
+TEST_F(UnitSession, AJournalListsBoxesBeforeOtherAnchorsWhateverTheirOrder) {
+  Step step;
+  Selection ball;
+  ball.ball_index = Vec3d(12, 12, 6);
+  ball.radius_mm = 2;
+  step.fix.emplace_back().selection = ball;
+  step.fix.push_back({{12, 12, 9}, {12, 12, 9}});
+  Session session(m_ball, m_options);
+  session.step(step);
+  const std::string journal = session.journal();
+  EXPECT_LT(journal.find("\"fix\""), journal.find("\"anchors\"")) << journal;
 }
 
 TEST_F(UnitSession, AHandleThatSlidesGoesOnAlongTheAxesThatAreFree) {

@@ -192,6 +192,21 @@ TEST_F(UnitReplay, ACutThatIsTakenOutHasNeverBeenMade) {
   }
 }
 
+TEST_F(UnitReplay, AnchorsThatStayAreInTheBatchSceneHoweverTheyWereWritten) {
+  const std::string events = event("step", "fix_density = [1, 40]\nfix = [[12, 12, 6]]") +
+                             event("anchor", "grab_box = [11, 11, 8, 13, 13, 9]") +
+                             event("grab", "grab = [12, 12, 16]\nsoft = 2") +
+                             event("drag", "to = [0, 1, 0]") + event("release") +
+                             event("release", "anchor = 3") + event("grab", "grab = [12, 16, 12]") +
+                             event("drag", "to = [0, 0, 1]");
+  const std::string live = hash(journal(events), "--scene " + (m_folder / "batch.toml"));
+  EXPECT_EQ(hash(m_folder / "batch.toml"), live);
+  const std::string batch = read_text(m_folder / "batch.toml");
+  for (const char* key : {"grab_density = [1.0, 40.0]", "grab_box = [12, 12, 6, 12, 12, 6]"}) {
+    EXPECT_NE(batch.find(key), std::string::npos) << key << " in\n" << batch;
+  }
+}
+
 TEST_F(UnitReplay, SlicesOfARelaxationShareItsBudget) {
   // Each pass looks at elements about 35,000 times.
   const std::string file =
