@@ -92,8 +92,8 @@ struct ChainMailMove : ModelTask {
       }
       slid[c] = 1;
       if (!has_way) continue;
-      const std::vector<PieceMotion> pieces = in.motions_of(rest);
-      drag_apart({in, in.handles_of(rest, pieces, 1), pieces, rest, &silent});
+      const std::vector<PieceMotion> grabbed = in.motions_of(rest);
+      drag_apart({in, in.handles_of(rest, grabbed, 1), grabbed, rest, &silent});
       if (!is_whole(rest.report)) slid[c] = done + (1 - done) * rest.report.fraction();
       record.report.moved = std::max(record.report.moved, rest.report.moved);
       add(rest.contact, record.contact);
