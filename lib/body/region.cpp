@@ -1,6 +1,7 @@
 #include "lib/body/region.h"
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 
@@ -35,7 +36,7 @@ Vec3i some_voxel(const Region& region) {
 }  // namespace
 
 std::string voxel_text(const Vec3i& voxel) {
-  return std::to_string(voxel.x) + "," + std::to_string(voxel.y) + "," + std::to_string(voxel.z);
+  return to_text(voxel);
 }
 
 std::string nearest_text(const Body& body, const Vec3i& voxel) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -347,7 +346,7 @@ BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
 BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
                      const std::vector<Region>& anchors, Holds& holds, const BallParams& params,
                      Progress* progress) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   params.validate();
   refuse_push(handles);
   const FixedElements fixed = fix(body, anchors);
@@ -362,7 +361,7 @@ BallReport drag_ball(Body& body, const std::vector<Handle>& handles,
   drag.commit();
   holds = std::move(next);
   BallReport result = drag.finish();
-  result.milliseconds = ms_since(begin);
+  result.milliseconds = clock.ms();
   return result;
 }
 

@@ -1,7 +1,6 @@
 #include "lib/chainmail/ecm.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -281,7 +280,7 @@ const FixedElements& EcmSolver::fixed(const std::vector<Region>& anchors) {
 
 EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<Region>& anchors,
                          Holds& holds, Extent extent, Shifts shifts, Progress* progress) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   EcmReport result;
   result.engine = engine();
   fixed(anchors);
@@ -323,7 +322,7 @@ EcmReport EcmSolver::run(const std::vector<Handle>& handles, const std::vector<R
   for (UndoLog& undo : m_undo) undo.clear(kept_undo_bricks(m_body));
   guard.dismiss();
   holds = std::move(next);
-  result.milliseconds = ms_since(begin);
+  result.milliseconds = clock.ms();
   return result;
 }
 

@@ -1,7 +1,6 @@
 #include "lib/chainmail/mesh_ecm.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -220,7 +219,7 @@ std::int64_t MeshEcm::count_moved() const {
 
 MeshEcmReport MeshEcm::drag(const std::vector<MeshHandle>& handles,
                             const std::vector<NodeSet>& anchors, Progress* progress) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   MeshEcmReport result;
   const bool is_new = !holds_positions();
   if (is_new) result.projection = take_positions(anchors, progress);
@@ -238,7 +237,7 @@ MeshEcmReport MeshEcm::drag(const std::vector<MeshHandle>& handles,
   }
   give_positions(is_new);
   for (MeshValues& values : m_values) values.forget();
-  result.milliseconds = ms_since(begin);
+  result.milliseconds = clock.ms();
   return result;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstdlib>
 
 #include "lib/chainmail/projection.h"
@@ -215,7 +214,7 @@ void TightenParams::validate() const {
 
 TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds& held,
                       const TightenParams& params, Progress* progress) {
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   params.validate();
   TightenReport result;
   SlotSet anchored = held.anchored;
@@ -230,7 +229,7 @@ TightenReport tighten(Body& body, const std::vector<Region>& fixed, const Holds&
   Tightening tightening(body, anchored, held, params, progress);
   tightening.run(result);
   result.moved = tightening.commit();
-  result.milliseconds = ms_since(begin);
+  result.milliseconds = clock.ms();
   return result;
 }
 

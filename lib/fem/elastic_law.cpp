@@ -3,19 +3,9 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/units.h"
 
 namespace supple {
-
-namespace {
-
-/// (kg/m^3) mm^3 in kg.
-constexpr double kKgPerDensityVolume = 1e-9;
-
-void require_constant(bool holds, const char* field, double found, const char* expected) {
-  if (!holds) throw InputError({"", field, number_text(found), expected});
-}
-
-}  // namespace
 
 ElasticTable ElasticTable::uniform(double young_kpa, double poisson) {
   ElasticTable table;
@@ -26,10 +16,10 @@ ElasticTable ElasticTable::uniform(double young_kpa, double poisson) {
 
 void ElasticTable::validate() const {
   for (int n = 0; n <= kLastClass; ++n) {
-    require_constant(young_kpa[n] > 0 && std::isfinite(young_kpa[n]), "stiffness", young_kpa[n],
-                     "above 0 kPa");
-    require_constant(poisson[n] > -1 && poisson[n] <= kLargestPoisson, "poisson", poisson[n],
-                     "above -1 and at most 0.4999");
+    require(young_kpa[n] > 0 && std::isfinite(young_kpa[n]), "stiffness", young_kpa[n],
+            "above 0 kPa");
+    require(poisson[n] > -1 && poisson[n] <= kLargestPoisson, "poisson", poisson[n],
+            "above -1 and at most 0.4999");
   }
 }
 
@@ -49,7 +39,7 @@ ModuliTable<double> weighted_moduli(const ModuliTable<double>& moduli,
     }
     out.shear[n] *= weights.stiffness_parts[n];
     out.bulk[n] *= weights.stiffness_parts[n];
-    out.inertia[n] = weights.mass_part_per_s2 * density * kKgPerDensityVolume;
+    out.inertia[n] = weights.mass_part_per_s2 * density * kM3PerMm3;
   }
   return out;
 }

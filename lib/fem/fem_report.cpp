@@ -8,10 +8,6 @@ namespace supple {
 
 namespace {
 
-void require(bool holds, const char* field, double found, const char* expected) {
-  if (!holds) throw InputError({"", field, number_text(found), expected});
-}
-
 std::string not_converged_text(const FemReport& report) {
   std::string text = "finite elements did not converge";
   if (report.newton) {

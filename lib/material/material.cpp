@@ -12,12 +12,6 @@ namespace {
 
 constexpr const char* kAxisName = "ijk";
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.10g", value);
-  return text;
-}
-
 void validate_curve(const std::string& file, const LimitTable& table, const NamedCurve& named) {
   const auto& keys = named.curve->keys;
   if (keys.empty()) {
@@ -27,15 +21,16 @@ void validate_curve(const std::string& file, const LimitTable& table, const Name
     const double density = keys[n].first, value = keys[n].second;
     const auto fail = [&](const std::string& expected) {
       throw InputError({file, named.name + " key point " + std::to_string(n + 1),
-                        "[" + number(density) + ", " + number(value) + "]", expected});
+                        "[" + number_text(density, 10) + ", " + number_text(value, 10) + "]",
+                        expected});
     };
     if (!std::isfinite(density) || !std::isfinite(value)) fail("finite numbers");
     if (density < table.domain_lo || density > table.domain_hi) {
-      fail("a density inside the domain [" + number(table.domain_lo) + ", " +
-           number(table.domain_hi) + "]");
+      fail("a density inside the domain [" + number_text(table.domain_lo, 10) + ", " +
+           number_text(table.domain_hi, 10) + "]");
     }
     if (n > 0 && density <= keys[n - 1].first) {
-      fail("a density above " + number(keys[n - 1].first) + " of the key point before");
+      fail("a density above " + number_text(keys[n - 1].first, 10) + " of the key point before");
     }
     if (value < named.lo || value > named.hi || (named.open && value == named.lo)) {
       fail(named.expected);
@@ -46,7 +41,7 @@ void validate_curve(const std::string& file, const LimitTable& table, const Name
 void validate_range(const std::string& file, const std::string& name, double lo, double hi,
                     bool equal) {
   if (std::isfinite(lo) && std::isfinite(hi) && (equal ? lo <= hi : lo < hi)) return;
-  throw InputError({file, name, "[" + number(lo) + ", " + number(hi) + "]",
+  throw InputError({file, name, "[" + number_text(lo, 10) + ", " + number_text(hi, 10) + "]",
                     equal ? "lower <= upper, finite" : "lower < upper, finite"});
 }
 
@@ -72,9 +67,10 @@ void warn_of_shared_classes(const std::string& name,
     const int shared = classes.class_of(keys[n].first, share.label);
     if (shared != classes.class_of(keys[n - 1].first, share.label)) continue;
     lines.push_back(name + ": key points " + std::to_string(n) + " and " + std::to_string(n + 1) +
-                    " (densities " + number(keys[n - 1].first) + " and " + number(keys[n].first) +
-                    ") share class " + std::to_string(shared) + ", one class spans " +
-                    number((table.domain_hi - table.domain_lo) / (share.count - 1)));
+                    " (densities " + number_text(keys[n - 1].first, 10) + " and " +
+                    number_text(keys[n].first, 10) + ") share class " + std::to_string(shared) +
+                    ", one class spans " +
+                    number_text((table.domain_hi - table.domain_lo) / (share.count - 1), 10));
   }
 }
 
@@ -195,10 +191,10 @@ std::vector<std::string> MaterialTable::warnings() const {
       warn_of_shared_classes(prefix + named.name, named.curve->keys, classes, share, lines);
     }
   }
-  warn_of_missing_column("stiffness", &LimitTable::stiffness, number(kDefaultStiffnessKpa) + " kPa",
-                         classes, lines);
+  warn_of_missing_column("stiffness", &LimitTable::stiffness,
+                         number_text(kDefaultStiffnessKpa, 10) + " kPa", classes, lines);
   warn_of_missing_column("density", &LimitTable::mass_density,
-                         number(kDefaultMassDensity) + " kg/m³", classes, lines);
+                         number_text(kDefaultMassDensity, 10) + " kg/m³", classes, lines);
   return lines;
 }
 

@@ -108,17 +108,13 @@ std::optional<std::pair<double, double>> read_rigid(Table& table) {
 void append_curve(std::string& text, const std::string& name, const Curve& curve) {
   text += name + " = [";
   for (const auto& [density, value] : curve.keys) {
-    char buffer[80];
-    std::snprintf(buffer, sizeof buffer, "[%.17g, %.17g], ", density, value);
-    text += buffer;
+    text += "[" + number_text(density, 17) + ", " + number_text(value, 17) + "], ";
   }
   text.replace(text.size() - 2, 2, "]\n");
 }
 
 void append_range(std::string& text, const std::string& name, double lo, double hi) {
-  char buffer[80];
-  std::snprintf(buffer, sizeof buffer, " = [%.17g, %.17g]\n", lo, hi);
-  text += name + buffer;
+  text += name + " = [" + number_text(lo, 17) + ", " + number_text(hi, 17) + "]\n";
 }
 
 void append_limits(std::string& text, const LimitTable& limits) {

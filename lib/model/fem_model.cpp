@@ -19,8 +19,6 @@ ElasticTable material_elasticity(const MaterialTable& material) {
 
 namespace {
 
-constexpr double kMjPerKpaMm3 = 1e-3;
-
 std::optional<RefinedShape> refined(const Body& body, int halvings) {
   if (halvings == 0) return std::nullopt;
   const std::int64_t count = body.elements.active_count() << 3 * halvings;
@@ -117,7 +115,7 @@ double VoxelFemModel::false_energy_mj() const {
       for (const std::int32_t part : m_refined->parts_of(mesh, voxel_of(elements, slot))) add(part);
     });
   }
-  return density_kpa * m_model.material().matrix.volume_mm3 * kMjPerKpaMm3;
+  return density_kpa * m_model.material().matrix.volume_mm3 * kMjPerUj;
 }
 
 ModelEnergy VoxelFemModel::energy() {

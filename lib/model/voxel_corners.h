@@ -4,12 +4,13 @@
 #include "lib/body/body.h"
 #include "lib/fem/voxel/hex_mesh.h"
 #include "lib/model/refined_shape.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
 /// Place of a corner in edges of the voxel: 0 or 1 along each axis.
 inline Vec3d place_of_corner(std::size_t corner) {
-  return {double(corner >> 2 & 1), double(corner >> 1 & 1), double(corner & 1)};
+  return Vec3d(cell_corner(int(corner)));
 }
 
 /// The nodes of a mesh that the corners of a body's voxels are.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "volumes/grid/cell.h"
+
 namespace supple {
 
 namespace {
@@ -203,7 +205,7 @@ inline void find_gradients(const CellBrick& brick, const CellRun& at, const int 
     }
   }
   for (int n = 0; n < 8; ++n) {
-    const int i = n >> 2, j = n >> 1 & 1, k = n & 1;
+    const auto [i, j, k] = cell_corner(n);
     const bool is_right_handed = ((i + j + k) & 1) != 0;
     const Lane factor =
         load(brick.root_share + cells[n]) * (is_right_handed ? -1.0 / 12 : 1.0 / 12);

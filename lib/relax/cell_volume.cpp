@@ -5,6 +5,7 @@
 
 #include "lib/relax/cell_brick.h"
 #include "volumes/base/parallel.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -34,7 +35,7 @@ CellVolumes volumes_in(const Body& body, std::size_t b) {
     if (!is_at_rest) {
       Hexahedron corners;
       for (int n = 0; n < 8; ++n) {
-        const Vec3i step(n >> 2, n >> 1 & 1, n & 1);
+        const Vec3i step = cell_corner(n);
         const Slot slot = slot_around(around, low.x + step.x, low.y + step.y, low.z + step.z);
         for (int c = 0; c < 3; ++c) {
           corners[std::size_t(n)][c] = step[c] + body.q[std::size_t(c)].at(slot) / kFixedOne;

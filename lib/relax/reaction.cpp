@@ -10,6 +10,7 @@
 #include "lib/relax/movable.h"
 #include "lib/relax/relaxation.h"
 #include "volumes/base/parallel.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -151,7 +152,7 @@ void add_cells(const Body& body, int c, const CellModuli& moduli, std::size_t b,
     Hexahedron corners;
     std::array<Slot, 8> slots;
     for (std::size_t n = 0; n < 8; ++n) {
-      const Vec3i step(int(n) >> 2, int(n) >> 1 & 1, int(n) & 1);
+      const Vec3i step = cell_corner(int(n));
       slots[n] = slot_around(around, low.x + step.x, low.y + step.y, low.z + step.z);
       for (int d = 0; d < 3; ++d) {
         corners[n][d] = step[d] + body.q[std::size_t(d)].at(slots[n]) / kFixedOne;

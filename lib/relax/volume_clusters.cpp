@@ -8,6 +8,7 @@
 #include "lib/relax/cluster_pull.h"
 #include "lib/relax/grouped.h"
 #include "volumes/base/parallel.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -71,8 +72,8 @@ void VolumeClusters::find_cells_of_clusters(const CellModuli& moduli) {
       PartCell cell;
       std::array<std::int32_t, 8> number;
       for (std::size_t n = 0; n < 8; ++n) {
-        const int i = int(n) >> 2, j = int(n) >> 1 & 1, k = int(n) & 1;
-        cell.corners[n] = slot_around(around, low.x + i, low.y + j, low.z + k);
+        const Vec3i corner = low + cell_corner(int(n));
+        cell.corners[n] = slot_around(around, corner.x, corner.y, corner.z);
         number[n] = numbers.at(cell.corners[n]);
       }
       cell.share = float(share_of_cell(m_body, moduli, cell.corners));

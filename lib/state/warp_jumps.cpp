@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -66,9 +67,7 @@ std::string use_of_warp(VoidMode void_mode, const WarpJumps& jumps) {
   const bool is_smooth = void_mode == VoidMode::extend;
   std::string text = is_smooth ? "smooth beyond the tissue, for points, inversion and registration"
                                : "for resampling images";
-  char largest[40];
-  std::snprintf(largest, sizeof largest, "%.4g", jumps.largest_mm());
-  text += std::string("; neighbouring vectors differ by up to ") + largest + " mm";
+  text += "; neighbouring vectors differ by up to " + number_text(jumps.largest_mm(), 4) + " mm";
   if (jumps.folded_pairs() == 0) return text + ", none fold";
   text += ", " + with_count(jumps.folded_pairs(), "pair") + " of them fold";
   return is_smooth ? text

@@ -64,14 +64,6 @@ class LatticeDrawing {
   const LatticeStyle& m_style;
 };
 
-template <class Visit>
-void for_each_element(const BrickTopology& elements, const Visit& visit) {
-  for (std::size_t b = 0; b < elements.brick_count(); ++b) {
-    for_each_active(elements.mask(b),
-                    [&](int offset) { visit(elements.origin(b) + brick_local(offset)); });
-  }
-}
-
 /// Brightness by the angle between the face and the line of sight.
 float facing(const std::array<Vec3d, 4>& p, const Vec3d& sight) {
   const Vec3d normal = (p[2] - p[0]).cross(p[3] - p[1]);
@@ -106,7 +98,7 @@ void draw_quad(Canvas& canvas, const LatticeDrawing& lattice, const Camera& came
 }
 
 void draw_cells(Canvas& canvas, const LatticeDrawing& lattice, const Camera& camera) {
-  for_each_element(lattice.elements(), [&](const Vec3i& voxel) {
+  for_each_voxel(lattice.elements(), [&](const Vec3i& voxel) {
     for (int normal = 0; normal < 3; ++normal) {
       const Vec3i a = LatticeDrawing::unit((normal + 1) % 3),
                   b = LatticeDrawing::unit((normal + 2) % 3);
@@ -122,7 +114,7 @@ void draw_cells(Canvas& canvas, const LatticeDrawing& lattice, const Camera& cam
 }
 
 void draw_links(Canvas& canvas, const LatticeDrawing& lattice, double width_pixels) {
-  for_each_element(lattice.elements(), [&](const Vec3i& voxel) {
+  for_each_voxel(lattice.elements(), [&](const Vec3i& voxel) {
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3i other = voxel + LatticeDrawing::unit(axis);
       if (!lattice.is_element(other) || !lattice.is_surface_link(voxel, axis)) continue;
@@ -135,9 +127,6 @@ void draw_links(Canvas& canvas, const LatticeDrawing& lattice, double width_pixe
 }  // namespace
 
 void LatticeStyle::validate() const {
-  const auto require = [](bool good, const char* field, double value, const char* expected) {
-    if (!good) throw InputError({"", field, std::to_string(value), expected});
-  };
   require(width >= 1 && width <= 16384, "width", width, "1 to 16384 pixels");
   require(height >= 1 && height <= 16384, "height", height, "1 to 16384 pixels");
   require(link_width_pixels >= 0.34 && link_width_pixels <= 10, "link width", link_width_pixels,
@@ -169,7 +158,7 @@ Camera lattice_camera(const Geometry& geometry, const Displacement& displacement
 
   // Extents of the deformed elements on the picture, half a voxel around each.
   Vec3d lo(HUGE_VAL), hi(-HUGE_VAL);
-  for_each_element(displacement.u.topology, [&](const Vec3i& voxel) {
+  for_each_voxel(displacement.u.topology, [&](const Vec3i& voxel) {
     const Vec3d p = deformed_place_mm(geometry, displacement.u, voxel);
     const Vec3d seen(p.dot(frame.right), p.dot(frame.up), p.dot(frame.forward));
     for (int a = 0; a < 3; ++a) {

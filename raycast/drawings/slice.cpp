@@ -20,11 +20,6 @@ struct SlicePixel {
   std::int64_t label = 0;
 };
 
-Vec3i nearest_voxel(const Vec3d& index) {
-  return {int(std::floor(index.x + 0.5)), int(std::floor(index.y + 0.5)),
-          int(std::floor(index.z + 0.5))};
-}
-
 bool is_in_box(const Geometry& geometry, const Vec3d& index) {
   for (int a = 0; a < 3; ++a) {
     if (!(index[a] >= -0.5 && index[a] <= geometry.dims()[a] - 0.5)) return false;
@@ -166,7 +161,8 @@ class SliceDrawing {
     if (!pixel.is_inside) return;
     const double share = (value - m_style.grey_lo) / (m_style.grey_hi - m_style.grey_lo);
     pixel.grey = std::uint8_t(std::lround(std::clamp(share, 0.0, 1.0) * 255));
-    pixel.at_rest = m_style.rest != nullptr && m_style.rest->is_active(nearest_voxel(index));
+    pixel.at_rest =
+        m_style.rest != nullptr && m_style.rest->is_active(floor_voxel(index + Vec3d(0.5)));
     Vec3d at_rest;
     if (m_style.label && rest_place(index, at_rest)) pixel.label = m_style.label(at_rest);
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 
@@ -92,11 +93,8 @@ Geometry slice_grid(const Geometry& geometry, const SliceAxes& axes, const Vec3d
   const Vec3d last(geometry.dims() - Vec3i(1));
   for (int a = 0; a < 3; ++a) {
     if (through_index[a] >= 0 && through_index[a] <= last[a]) continue;
-    throw InputError({"", "position",
-                      number_text(through_index.x) + "," + number_text(through_index.y) + "," +
-                          number_text(through_index.z),
-                      "a voxel from 0,0,0 to " + number_text(last.x) + "," + number_text(last.y) +
-                          "," + number_text(last.z)});
+    throw InputError(
+        {"", "position", to_text(through_index), "a voxel from 0,0,0 to " + to_text(last)});
   }
   const auto& [right, down] = axes;
   // The box's outer faces, seen from the position, in pixels.

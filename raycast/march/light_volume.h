@@ -19,6 +19,7 @@
 
 #include "raycast/march/shading.h"
 #include "volumes/geometry/geometry.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -79,7 +80,7 @@ LightVolume::Light LightVolume::at(const Vec3d& place, Fill&& fill) const {
   Light sum;
   sum.clear = 0;
   for (int n = 0; n < 8; ++n) {
-    const Vec3i corner(n >> 2, n >> 1 & 1, n & 1), node = low + corner;
+    const Vec3i corner = cell_corner(n), node = low + corner;
     double weight = 1;
     for (int a = 0; a < 3; ++a) weight *= corner[a] ? part[a] : 1 - part[a];
     if (weight == 0) continue;

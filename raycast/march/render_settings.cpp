@@ -10,10 +10,6 @@ namespace {
 
 constexpr int kMaxStride = 16;
 
-void require(bool good, const char* field, double value, const char* expected) {
-  if (!good) throw InputError({"", field, number_text(value), expected});
-}
-
 }  // namespace
 
 Quality parse_quality(const std::string& name) {

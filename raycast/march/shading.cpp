@@ -11,11 +11,6 @@ namespace {
 
 constexpr double kMostTrust = 1e30;  // for each density per mm; finite, so that 0 stays 0
 
-void require(bool good, const std::string& file, const char* field, double value,
-             const char* expected) {
-  if (!good) throw InputError({file, field, number_text(value), expected});
-}
-
 Vec3f world_direction(const Light& light, const CameraFrame& frame) {
   if (!light.is_of_camera) return Vec3f(light.direction.normalized());
   const Vec3d& d = light.direction;
@@ -31,9 +26,9 @@ void Light::validate(const std::string& file) const {
                       "a finite vector that is not 0"});
   }
   for (const double channel : rgb) {
-    require(channel >= 0 && channel <= 1, file, "light.colour", channel, "a value between 0 and 1");
+    require(channel >= 0 && channel <= 1, "light.colour", channel, "a value between 0 and 1", file);
   }
-  require(intensity >= 0 && intensity <= 100, file, "light.intensity", intensity, "0 to 100");
+  require(intensity >= 0 && intensity <= 100, "light.intensity", intensity, "0 to 100", file);
 }
 
 void Lighting::validate(const std::string& file) const {
@@ -42,11 +37,11 @@ void Lighting::validate(const std::string& file) const {
                       "at most " + std::to_string(kMaxLights)});
   }
   for (const Light& light : lights) light.validate(file);
-  require(occlusion_radius_mm >= 0 && occlusion_radius_mm <= 1000, file, "ambient_occlusion",
-          occlusion_radius_mm, "a radius of 0 to 1000 mm");
-  require(volume_mm >= 0 && volume_mm <= 1000, file, "light_volume", volume_mm,
-          "a spacing of 0 to 1000 mm");
-  require(std::abs(exposure_stops) <= 20, file, "exposure", exposure_stops, "-20 to 20 stops");
+  require(occlusion_radius_mm >= 0 && occlusion_radius_mm <= 1000, "ambient_occlusion",
+          occlusion_radius_mm, "a radius of 0 to 1000 mm", file);
+  require(volume_mm >= 0 && volume_mm <= 1000, "light_volume", volume_mm,
+          "a spacing of 0 to 1000 mm", file);
+  require(std::abs(exposure_stops) <= 20, "exposure", exposure_stops, "-20 to 20 stops", file);
 }
 
 Shading::Shading(const Camera& camera, const TransferFunction& function, const Lighting& lighting)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -21,10 +22,6 @@ const std::vector<NamedView>& views() {
       {"left", {1, 0, 0}, {0, 0, 1}},      {"right", {-1, 0, 0}, {0, 0, 1}},
       {"superior", {0, 0, 1}, {0, -1, 0}}, {"inferior", {0, 0, -1}, {0, -1, 0}}};
   return table;
-}
-
-std::string numbers_text(const Vec3d& v) {
-  return number_text(v.x) + " " + number_text(v.y) + " " + number_text(v.z);
 }
 
 const NamedView& find_view(const std::string& name) {
@@ -48,7 +45,7 @@ void Camera::validate(const std::string& file) const {
   const auto require_finite = [&](const char* field, const Vec3d& v) {
     if (!is_finite(v)) {
       throw InputError(
-          {file, std::string("camera.") + field, numbers_text(v), "three finite numbers"});
+          {file, std::string("camera.") + field, to_text(v, " "), "three finite numbers"});
     }
   };
   require_finite("position", position_lps_mm);
@@ -56,11 +53,11 @@ void Camera::validate(const std::string& file) const {
   require_finite("up", up_lps);
   const Vec3d view = target_lps_mm - position_lps_mm;
   if (!(view.length() > 0)) {
-    throw InputError({file, "camera.position", numbers_text(position_lps_mm),
+    throw InputError({file, "camera.position", to_text(position_lps_mm, " "),
                       "a place other than the target's"});
   }
   if (!(view.normalized().cross(up_lps.normalized()).length() > 1e-6)) {
-    throw InputError({file, "camera.up", numbers_text(up_lps), "a direction across the view"});
+    throw InputError({file, "camera.up", to_text(up_lps, " "), "a direction across the view"});
   }
   if (!(vertical_fov_degrees > 0 && vertical_fov_degrees < 180)) {
     throw InputError(

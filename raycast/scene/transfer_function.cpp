@@ -95,18 +95,15 @@ void TransferFunction::validate(const std::string& file) const {
   }
   check_opacities(KeyChecker(file, "gradient_opacity"), gradient_opacity);
 
-  const auto require = [&](bool good, const char* field, double value, const char* expected) {
-    if (!good) throw InputError({file, field, number_text(value), expected});
-  };
   require(unit_distance_mm > 0 && std::isfinite(unit_distance_mm), "unit_distance",
-          unit_distance_mm, "more than 0 mm");
+          unit_distance_mm, "more than 0 mm", file);
   require(full_shading_gradient >= 0 && std::isfinite(full_shading_gradient),
-          "full_shading_gradient", full_shading_gradient, "0 or more, in density per mm");
-  require(ambient >= 0 && ambient <= 1, "ambient", ambient, "a value between 0 and 1");
-  require(diffuse >= 0 && diffuse <= 1, "diffuse", diffuse, "a value between 0 and 1");
-  require(specular >= 0 && specular <= 1, "specular", specular, "a value between 0 and 1");
+          "full_shading_gradient", full_shading_gradient, "0 or more, in density per mm", file);
+  require(ambient >= 0 && ambient <= 1, "ambient", ambient, "a value between 0 and 1", file);
+  require(diffuse >= 0 && diffuse <= 1, "diffuse", diffuse, "a value between 0 and 1", file);
+  require(specular >= 0 && specular <= 1, "specular", specular, "a value between 0 and 1", file);
   require(specular_power >= 1 && specular_power <= 1000, "specular_power", specular_power,
-          "a value between 1 and 1000");
+          "a value between 1 and 1000", file);
 }
 
 }  // namespace supple

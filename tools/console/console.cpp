@@ -6,6 +6,7 @@
 
 #include <unistd.h>
 
+#include "volumes/base/error.h"
 #include "volumes/base/signals.h"
 
 namespace supple::tools {
@@ -21,9 +22,7 @@ std::string size_text(std::int64_t bytes) {
     size /= 1000;
     ++unit;
   }
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g %s", size, units[unit]);
-  return text;
+  return number_text(size, 4) + " " + units[unit];
 }
 
 }  // namespace
@@ -62,8 +61,7 @@ void Console::claim(const std::vector<std::string>& outputs) {
 void Console::tell_outputs() {
   constexpr std::size_t kListed = 8;
   const double seconds = std::chrono::duration<double>(Clock::now() - m_start).count();
-  char after[48];
-  std::snprintf(after, sizeof after, ", after %.4g s", seconds);
+  const std::string after = ", after " + number_text(seconds, 4) + " s";
   std::vector<std::pair<std::string, std::int64_t>> found;
   std::int64_t bytes = 0;
   for (const std::string& path : m_outputs) {

@@ -12,6 +12,7 @@
 #include "tools/scene/run/slice_pictures.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/atomic_file.h"
+#include "volumes/base/text.h"
 #include "volumes/base/toml.h"
 #include "volumes/base/value.h"
 
@@ -42,16 +43,13 @@ const std::vector<SaveKind>& save_kinds() {
   return kinds;
 }
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() > end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 void check_extension(const Table& table, const SaveRequest& request) {
   for (const SaveKind& kind : save_kinds()) {
     if (kind.name != request.what) continue;
     const bool fits =
-        std::any_of(kind.extensions.begin(), kind.extensions.end(),
-                    [&](const std::string& end) { return ends_with(request.path, end); });
+        std::any_of(kind.extensions.begin(), kind.extensions.end(), [&](const std::string& end) {
+          return request.path != end && ends_with(request.path, end);
+        });
     std::string expected;
     for (const std::string& end : kind.extensions) expected += (expected.empty() ? "" : ", ") + end;
     if (!fits) table.fail("path", request.path, "a name that ends in " + expected);

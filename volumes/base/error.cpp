@@ -22,10 +22,15 @@ std::string to_line(const Problem& problem) {
   return line;
 }
 
-std::string number_text(double value) {
+std::string number_text(double value, int digits) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
   return text;
+}
+
+void require(bool holds, const std::string& field, double found, const std::string& expected,
+             const std::string& file) {
+  if (!holds) throw InputError({file, field, number_text(found), expected});
 }
 
 void throw_open_error(const std::string& file, int errno_value) {

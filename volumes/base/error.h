@@ -19,7 +19,11 @@ struct Problem {
 std::string to_line(const Problem& problem);
 
 /// A number as messages show it: six significant digits.
-std::string number_text(double value);
+std::string number_text(double value, int digits = 6);
+
+/// Throws InputError, with the value as what was found, unless `holds`.
+void require(bool holds, const std::string& field, double found, const std::string& expected,
+             const std::string& file = "");
 
 /// Base of all errors of this project; exit code 1.
 class Error : public std::runtime_error {

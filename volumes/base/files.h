@@ -72,9 +72,9 @@ class ReservedNames {
   std::map<std::filesystem::path, Folder> m_folders;
 };
 
-/// A folder of its own, among the temporary ones, for files that no other program is to see. It goes
-/// with all that is in it when the object does; where its process is killed first, when the next
-/// one is made, at the earliest after a minute.
+/// A folder of its own, among the temporary ones, for files that no other program is to see. It
+/// goes with all that is in it when the object does; where its process is killed first, when the
+/// next one is made, at the earliest after a minute.
 class ScratchFolder {
  public:
   /// Throws SystemError.

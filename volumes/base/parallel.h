@@ -100,7 +100,8 @@ void parallel_tiles(int rows, int columns, Grain size, const Work& work) {
   tbb::parallel_for(
       Range(0, rows, size.size, 0, columns, size.size),
       [&](const Range& part) {
-        work(PixelTile{part.rows().begin(), part.rows().end(), part.cols().begin(), part.cols().end()});
+        work(PixelTile{part.rows().begin(), part.rows().end(), part.cols().begin(),
+                       part.cols().end()});
       },
       tbb::simple_partitioner());
 }

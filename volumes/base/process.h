@@ -31,11 +31,11 @@ struct ProgramStart {
 
   /// Its words begin with the program, which is looked for on the PATH unless its name has a slash.
   std::vector<std::string> words;
-  std::string folder;                    // where it runs; empty: the present one
-  std::vector<std::string> environment;  // NAME=VALUE, beside that of this process
+  std::string folder;                              // where it runs; empty: the present one
+  std::vector<std::string> environment;            // NAME=VALUE, beside that of this process
   int in = kAsOurs, out = kAsOurs, err = kAsOurs;  // or a file descriptor
-  bool ends_with_us = false;  // killed when the thread that starts it ends
-  bool is_apart = false;      // signals that are meant for this process's group do not reach it
+  bool ends_with_us = false;                       // killed when the thread that starts it ends
+  bool is_apart = false;  // signals that are meant for this process's group do not reach it
 };
 
 /// Starts a program; sets errno and returns -1 where it cannot be started.

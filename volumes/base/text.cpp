@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 #include <numeric>
-#include <sstream>
+
+#include "volumes/base/error.h"
 
 namespace supple {
 
@@ -48,14 +50,22 @@ std::string exact_text(double value) {
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
-std::string to_text(const Vec3i& v) {
-  return std::to_string(v.x) + "," + std::to_string(v.y) + "," + std::to_string(v.z);
+std::string decimal_text(double value, int places) {
+  char text[350];
+  std::snprintf(text, sizeof text, "%.*f", places, value);
+  return text;
 }
 
-std::string to_text(const Vec3d& v) {
-  std::ostringstream text;
-  text << v.x << "," << v.y << "," << v.z;
-  return text.str();
+std::string to_text(const Vec3i& v, const char* between) {
+  return std::to_string(v.x) + between + std::to_string(v.y) + between + std::to_string(v.z);
+}
+
+std::string to_text(const Vec3d& v, const char* between) {
+  return number_text(v.x) + between + number_text(v.y) + between + number_text(v.z);
+}
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
 namespace {

@@ -23,10 +23,15 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 /// The shortest decimal number that reads back to the same bits.
 std::string exact_text(double value);
 
+/// Writes so many decimal places.
+std::string decimal_text(double value, int places);
+
 /// Writes "1,2,3".
-std::string to_text(const Vec3i& v);
+std::string to_text(const Vec3i& v, const char* between = ",");
 /// Writes a vector with six significant digits.
-std::string to_text(const Vec3d& v);
+std::string to_text(const Vec3d& v, const char* between = ",");
+
+bool ends_with(const std::string& text, const std::string& end);
 
 /// Lines of work that is done many times, such as warnings of the frames of a film: the first of a
 /// kind is told with the place where it came, later ones are counted. Lines that differ in numbers

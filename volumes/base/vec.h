@@ -2,6 +2,7 @@
 // `*` and `/` between two vectors work component by component; see Imath for dot and cross.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <Imath/ImathVec.h>
@@ -17,12 +18,21 @@ inline Vec3i floor_voxel(const Vec3d& pos) {
   return {int(std::floor(pos.x)), int(std::floor(pos.y)), int(std::floor(pos.z))};
 }
 
+/// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
+constexpr double kMaxCoordinate = 1e9;
+
+/// The nearest voxel; halves go away from 0.
+inline Vec3i nearest_voxel(const Vec3d& pos) {
+  Vec3i voxel;
+  for (int c = 0; c < 3; ++c) {
+    voxel[c] = int(std::lround(std::clamp(pos[c], -kMaxCoordinate, kMaxCoordinate)));
+  }
+  return voxel;
+}
+
 inline bool is_finite(const Vec3d& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
-
-/// Positions beyond this have no voxel; it also keeps NaN away from the integer conversion.
-constexpr double kMaxCoordinate = 1e9;
 
 /// True if a comes before b in the order of x, then y, then z.
 inline bool voxel_less(const Vec3i& a, const Vec3i& b) {

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "volumes/grid/cell.h"
+
 namespace supple {
 
 VectorBrickFinder finder_of(const VectorBricks& field) {
@@ -32,7 +34,7 @@ bool VectorBricks::sample(const Vec3d& pos_index, Vec3d& vector) const {
 
   Vec3d sum(0);
   for (int corner = 0; corner < 8; ++corner) {
-    const int x = corner >> 2, y = (corner >> 1) & 1, z = corner & 1;
+    const auto [x, y, z] = cell_corner(corner);
     const double w = weight[x].x * weight[y].y * weight[z].z;
     if (w == 0) continue;
     const Vec3i voxel = lo + Vec3i(x, y, z);

@@ -110,6 +110,15 @@ void for_each_active(const BrickMask& mask, Visit&& visit) {
   }
 }
 
+/// Calls `visit(voxel)` for every active voxel, in brick order.
+template <class Visit>
+void for_each_voxel(const BrickTopology& topology, Visit&& visit) {
+  for (std::size_t b = 0; b < topology.brick_count(); ++b) {
+    for_each_active(topology.mask(b),
+                    [&](int offset) { visit(topology.origin(b) + brick_local(offset)); });
+  }
+}
+
 /// All voxels within Chebyshev distance `rings` of an active voxel (26-neighbourhood dilation).
 BrickTopology dilate(const BrickTopology& topology, int rings);
 

@@ -1,7 +1,6 @@
 #include "lib/fem/dynamics/modes.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -338,7 +337,7 @@ void ModeParams::validate() const {
 VibrationModes lowest_modes(const ElasticSolid& solid, const MassDensities& density, HeldBits held,
                             const ModeParams& params, Progress* progress) {
   params.validate();
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   VibrationModes out;
   ModesReport& report = out.report;
   report.elements = solid.element_count();
@@ -369,7 +368,7 @@ VibrationModes lowest_modes(const ElasticSolid& solid, const MassDensities& dens
   report.orthogonality = largest_overlap(vibration, out.modes);
   report.bytes += solid.bytes() + vibration.mass_matrix.bytes() + vibration.system->bytes() +
                   (vibration.rigid ? vibration.rigid->bytes() : 0);
-  report.milliseconds = ms_since(begin);
+  report.milliseconds = clock.ms();
   return out;
 }
 

@@ -1,7 +1,6 @@
 #include "lib/fem/peers/dolfinx.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -66,10 +65,10 @@ bool DolfinxSolver::run(Progress* progress) {
   const std::vector<std::string> python = {kPython, folder / "solve.py", folder.path(),
                                            number_text(m_tolerance),
                                            std::to_string(m_max_iterations)};
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   const ProgramEnd end = run_program("env", command_of(python, processes), "", {}, [&, progress] {
     if (m_start_ms == 0 && std::filesystem::exists(folder / "started")) {
-      m_start_ms = ms_since(begin);
+      m_start_ms = clock.ms();
       stage(progress, "solving");
     }
     return progress != nullptr && progress->cancelled();

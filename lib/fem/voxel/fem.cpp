@@ -1,7 +1,6 @@
 #include "lib/fem/voxel/fem.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/newton.h"
@@ -35,10 +34,6 @@ struct FemModel::Parts {
 };
 
 namespace {
-
-void require(bool holds, const char* field, double found, const char* expected) {
-  if (!holds) throw InputError({"", field, number_text(found), expected});
-}
 
 /// Held nodes stay prescribed. A start of another mesh does not count.
 void begin_from(const NodeStart& start_mm, NodalLoads& loads) {
@@ -139,7 +134,7 @@ void FemModel::apply(const std::vector<double>& u_mm, std::vector<double>& force
 FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Progress* progress,
                             const NodeStart* start_mm) const {
   params.validate();
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   poll(progress);
   NodalLoads nodal = nodal_loads(mesh(), material(), loads, params.strain);
   FemSolution out;
@@ -170,7 +165,7 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Prog
     nodal.within_held_mn = forces_within_held(mesh(), material(), nodal);
     if (start_mm != nullptr) begin_from(*start_mm, nodal);
   }
-  report.setup_ms = ms_since(start);
+  report.setup_ms = clock.ms();
   if (params.solver != EquationSolver::multigrid) {
     solve_by_peer(nodal, params, progress, out);
   } else if (params.doublings > 0) {
@@ -186,10 +181,10 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Prog
 void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
                             FemSolution& out) const {
   FemReport& report = out.report;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   VoxelSystem system(levels(), stiffness(), material(), loads.held, progress);
   report.levels = system.level_count();
-  report.setup_ms += ms_since(start);
+  report.setup_ms += clock.ms();
 
   stage(progress, "solving");
   ConjugateGradients solver(system, loads,
@@ -241,7 +236,7 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
   const int most = int(levels().meshes.size()) - 1;
   require(params.doublings <= most, "coarsen", params.doublings,
           ("at most " + std::to_string(most) + " for so few elements").c_str());
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   Multigrid multigrid(levels(), stiffness(), material(), loads.held, {}, progress,
                       params.doublings);
   const HexMesh& coarse = levels().meshes[std::size_t(params.doublings)];
@@ -249,7 +244,7 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
   report.nodes = coarse.node_count();
   report.unknowns = 3 * report.nodes;
   report.levels = multigrid.level_count() - params.doublings;
-  report.setup_ms += ms_since(start);
+  report.setup_ms += clock.ms();
 
   stage(progress, "solving");
   CoarseElements solver(stiffness(), multigrid, params.doublings, loads,
@@ -275,11 +270,11 @@ template <class Solver>
 void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemParams& params,
                           Progress* progress, FemSolution& out) const {
   FemReport& report = out.report;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   const bool converged = run_told(solver, progress);
   report.iterations = solver.iterations();
   note(solver.size(), report);
-  report.solve_ms = ms_since(start);
+  report.solve_ms = clock.ms();
   if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   out.reactions = reactions_of(*this, loads, solver.residual());
@@ -291,14 +286,14 @@ void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemPara
 void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
                             FemSolution& out) const {
   FemReport& report = out.report;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   Multigrid multigrid(m_parts->levels, m_parts->stiffness, material(), loads.held, {}, progress);
   const FiniteStrain strain(mesh(), material(), loads.swelling_kpa);
   report.levels = multigrid.level_count();
-  report.setup_ms += ms_since(start);
+  report.setup_ms += clock.ms();
 
   stage(progress, "solving");
-  const auto solve_start = std::chrono::steady_clock::now();
+  const Stopwatch solve_clock;
   NewtonLimits limits;
   limits.tolerance = params.tolerance;
   limits.reaction_tolerance = params.reaction_tolerance;
@@ -310,7 +305,7 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   report.iterations = solver.report().cg_iterations;
   note(solver.size(), report);
   report.bytes = m_parts->bytes() + multigrid.bytes() + strain.bytes() + solver.bytes();
-  report.solve_ms = ms_since(solve_start);
+  report.solve_ms = solve_clock.ms();
   if (!converged) throw NotConverged(report);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   report.energy_mj = solver.report().energy_uj * kMjPerUj;

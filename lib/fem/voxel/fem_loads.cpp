@@ -12,7 +12,7 @@ namespace supple {
 
 namespace {
 
-/// mN per N; and (kg/m^3) (m/s^2) mm^3 in mN.
+/// (kg/m^3) (m/s^2) mm^3 in mN.
 constexpr double kWeightMn = 1e-6;
 
 template <class Visit>

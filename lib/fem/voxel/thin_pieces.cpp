@@ -9,6 +9,7 @@
 #include "lib/fem/voxel/block_matrix.h"
 #include "lib/fem/voxel/element_matrix.h"
 #include "volumes/base/parallel.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -95,7 +96,7 @@ BlockMatrix<double> as_blocks(const std::map<PiecePair, Matrix6>& sums, std::siz
 /// Way in mm from the first block to a corner of an element: world coordinates may be large.
 Vec3d way_to(const HexMesh& mesh, std::size_t block, int offset, int corner) {
   const Vec3d cells(mesh.origin[block] - mesh.origin[0] + brick_local(offset) +
-                    Vec3i(corner >> 2 & 1, corner >> 1 & 1, corner & 1));
+                    cell_corner(corner));
   const auto& axes = mesh.geometry.axes_mm();
   return axes[0] * cells.x + axes[1] * cells.y + axes[2] * cells.z;
 }

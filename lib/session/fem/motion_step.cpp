@@ -7,6 +7,7 @@
 
 #include "lib/body/node_offsets.h"
 #include "lib/session/fem/motion_frames.h"
+#include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -54,12 +55,6 @@ std::vector<Vec3f> centres(const HexMesh& mesh, const std::vector<double>& u_mm)
     found.push_back(Vec3f(centre_displacement(mesh, u_mm, e)));
   }
   return found;
-}
-
-std::string digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
 }
 
 double stored_mj(const MotionEnergy& energy) {
@@ -168,14 +163,14 @@ std::string motion_csv(const MotionRecord& record, const std::vector<std::string
   text += "\n";
   for (const MotionSample& sample : record.samples) {
     const MotionEnergy& energy = sample.energy;
-    text += digits(sample.time_s);
+    text += number_text(sample.time_s, 9);
     for (const double value : {energy.elastic_mj, energy.kinetic_mj, energy.work_mj,
                                energy.dissipated_mj, sample.largest_mm}) {
-      text += "," + digits(value);
+      text += "," + number_text(value, 9);
     }
     for (const auto* vectors : {&sample.watched_mm, &sample.reactions_n}) {
       for (const Vec3d& vector : *vectors) {
-        for (int c = 0; c < 3; ++c) text += "," + digits(vector[c]);
+        for (int c = 0; c < 3; ++c) text += "," + number_text(vector[c], 9);
       }
     }
     text += "\n";

@@ -10,7 +10,7 @@ namespace supple {
 namespace {
 
 std::string mm_text(const Vec3d& mm) {
-  return number_text(mm.x) + ", " + number_text(mm.y) + ", " + number_text(mm.z) + " mm";
+  return to_text(mm, ", ") + " mm";
 }
 
 }  // namespace

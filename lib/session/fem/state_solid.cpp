@@ -5,6 +5,7 @@
 #include "lib/fem/voxel/hex_mesh.h"
 #include "lib/material/material_file.h"
 #include "volumes/field/inversion/linked_elements.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -15,7 +16,7 @@ constexpr int kVtkCorners[2][8] = {{0, 4, 6, 2, 1, 5, 7, 3}, {1, 5, 7, 3, 0, 4, 
 
 /// The way from an element's centre to a corner, in voxels.
 Vec3d way_to(int corner) {
-  return {(corner >> 2 & 1) - 0.5, (corner >> 1 & 1) - 0.5, (corner & 1) - 0.5};
+  return Vec3d(cell_corner(corner)) - Vec3d(0.5);
 }
 
 /// Each corner takes the mean of the elements around it.

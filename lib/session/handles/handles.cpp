@@ -60,14 +60,6 @@ Region region_of(const PlacedHandle& given, const Geometry& geometry) {
   return Vec3i(0);  // the session finds the elements
 }
 
-Vec3i nearest_voxel(const Vec3d& index) {
-  Vec3i voxel;
-  for (int c = 0; c < 3; ++c) {
-    voxel[c] = int(std::lround(std::clamp(index[c], -kMaxCoordinate, kMaxCoordinate)));
-  }
-  return voxel;
-}
-
 /// True if the elements are found by more than a region of voxels.
 bool needs_selection(const PlacedHandle& given, double soft_mm) {
   return given.ball || given.density || given.piece_at || given.rigid_at || soft_mm > 0;

@@ -10,6 +10,7 @@
 #include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
 #include "tools/scene/run/reports.h"
+#include "volumes/base/error.h"
 #include "volumes/base/json.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/voxel_sets.h"
@@ -166,9 +167,7 @@ Value probe_volume(const ProbeOptions& options) {
 std::string list_text(const Value& list) {
   std::string text;
   for (const Value& value : list.items()) {
-    char number[32];
-    std::snprintf(number, sizeof number, "%.6g", value.number());
-    text += (text.empty() ? "" : ", ") + std::string(number);
+    text += (text.empty() ? "" : ", ") + number_text(value.number());
   }
   return text;
 }

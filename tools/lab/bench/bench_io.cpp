@@ -14,6 +14,7 @@
 #include "tools/lab/bench/report/timing.h"
 #include "tools/scene/peers/peer_process.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/units.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/io/bytes/byte_source.h"
@@ -25,8 +26,6 @@
 namespace supple::tools {
 
 namespace {
-
-constexpr double kMegabyte = 1e6;
 
 /// One line of the table.
 struct IoRow {

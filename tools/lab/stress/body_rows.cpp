@@ -36,14 +36,6 @@ class RunScene {
   SceneRun m_run;
 };
 
-template <class Visit>
-void for_each_element(const Body& body, Visit&& visit) {
-  for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
-    for_each_active(body.elements.mask(b),
-                    [&](int offset) { visit(body.elements.origin(b) + brick_local(offset)); });
-  }
-}
-
 Vec3d offset_of(const Body& body, const Vec3i& voxel) {
   return Vec3d(body.offset(voxel, 0), body.offset(voxel, 1), body.offset(voxel, 2)) / kFixedOne;
 }
@@ -58,7 +50,7 @@ void measure_places(const StressInput& input, const Body& body, double part, dou
                     MeasuredValues& all) {
   const Vec3d spacing = body.geometry.spacing_mm();
   double farthest_mm = 0, fixed_voxels = 0;
-  for_each_element(body, [&](const Vec3i& voxel) {
+  for_each_voxel(body.elements, [&](const Vec3i& voxel) {
     const Vec3d u = offset_of(body, voxel);
     farthest_mm = std::max(farthest_mm, (u * spacing).length());
     if (input.is_fixed(voxel)) fixed_voxels = std::max(fixed_voxels, largest_of(u));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lib/body/body.h"
+#include "lib/body/lattice.h"
 #include "lib/material/material_file.h"
 #include "lib/relax/relaxation.h"
 #include "volumes/base/error.h"
@@ -12,15 +13,6 @@
 namespace supple::tools {
 
 namespace {
-
-/// Calls f(slot) for every element.
-template <class Visit>
-void for_each_element(const State& state, const Visit& visit) {
-  for (std::size_t b = 0; b < state.elements.brick_count(); ++b) {
-    for_each_active(state.elements.mask(b),
-                    [&](int offset) { visit(b * kBrickVoxels + std::size_t(offset)); });
-  }
-}
 
 Vec3d offset_mm(const State& state, std::size_t slot) {
   Vec3d offset;
@@ -61,7 +53,7 @@ ErrorReference::ErrorReference(const std::string& state_path, Progress* progress
     : m_state(read_state(state_path, progress)),
       m_material(parse_material(m_state.material_toml, state_path)) {
   double longest_mm = 0;
-  for_each_element(m_state, [&](std::size_t slot) {
+  for_each_element(m_state.elements, [&](std::size_t slot) {
     longest_mm = std::max(longest_mm, offset_mm(m_state, slot).length());
   });
   m_least_mm = kMovedPart * longest_mm;
@@ -81,7 +73,7 @@ ErrorNorms ErrorReference::norms_of(const std::string& state_path, Progress* pro
   }
   ErrorNorms norms;
   std::vector<double> errors_mm;
-  for_each_element(state, [&](std::size_t slot) {
+  for_each_element(state.elements, [&](std::size_t slot) {
     const Vec3d wanted_mm = offset_mm(m_state, slot);
     const double error_mm = (offset_mm(state, slot) - wanted_mm).length();
     norms.max_mm = std::max(norms.max_mm, error_mm);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/io/point_file.h"
 
 namespace supple::tools {
@@ -178,9 +179,7 @@ void add_points(const PointFile& file, const Geometry& geometry, LatticeParams& 
       const double at = (index[a] - params.corner_index[a]) / step;
       const double nearest = std::clamp(std::round(at), 0.0, params.points[a] - 1.0);
       if (!(std::abs(at - nearest) <= 0.5)) {
-        throw InputError({file.place(row), "point",
-                          number_text(row.at_lps_mm.x) + "," + number_text(row.at_lps_mm.y) + "," +
-                              number_text(row.at_lps_mm.z),
+        throw InputError({file.place(row), "point", to_text(row.at_lps_mm),
                           "a place within half a cell of a control point"});
       }
       move.point[a] = int(nearest);

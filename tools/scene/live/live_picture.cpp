@@ -1,7 +1,6 @@
 #include "tools/scene/live/live_picture.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <mutex>
 
@@ -10,6 +9,7 @@
 #include "tools/scene/run/staging.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple::tools {
 
@@ -275,7 +275,7 @@ void LivePicture::prepare(double budget_ms) {
 
 Image LivePicture::first_pixels(double budget_ms) {
   Impl& impl = *m_impl;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   impl.begin_ms = 0;
   const double least = kLeastPart * budget_ms;
   double left = std::max(kBudgetToAimAt * budget_ms - impl.frame.of(1), least);
@@ -288,7 +288,7 @@ Image LivePicture::first_pixels(double budget_ms) {
   if (impl.painter) impl.painter(*picture, impl.camera);
   if (impl.view.decoration.annotate.empty()) decorate(*picture, impl.subject(), impl.view);
   Image image = to_image(*picture);
-  m_cost.frame_ms = ms_since(start) - m_cost.march_ms;
+  m_cost.frame_ms = clock.ms() - m_cost.march_ms;
   impl.frame.add(m_cost.frame_ms - impl.begin_ms, 1);
   return image;
 }

@@ -86,8 +86,13 @@ VideoEncoder::VideoEncoder(const std::string& path, std::string shown_as, int wi
   }
   m_pipe = ends[1];
   // It outlives no signal that ends us, and gets none that is meant for us alone.
-  m_process = start_program({arguments(path, width, height, frames_per_second, comment), "", {},
-                             ends[0], ProgramStart::kNowhere, ::fileno(m_messages.get()), false,
+  m_process = start_program({arguments(path, width, height, frames_per_second, comment),
+                             "",
+                             {},
+                             ends[0],
+                             ProgramStart::kNowhere,
+                             ::fileno(m_messages.get()),
+                             false,
                              true});
   ::close(ends[0]);
   if (m_process < 0) {

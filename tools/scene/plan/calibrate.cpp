@@ -13,6 +13,7 @@
 #include "raycast/scene/presets.h"
 #include "volumes/base/files.h"
 #include "volumes/base/stopwatch.h"
+#include "volumes/base/units.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
@@ -32,7 +33,6 @@ shear      = [[-300, 0.30], [100, 0.25], [250, 0.15], [700, 0.13]]
 namespace {
 
 constexpr int kRounds = 3;
-constexpr double kNanosecondsPerMs = 1e6;
 constexpr int kRelaxPasses = 8, kSpringSteps = 2;
 constexpr int kPictureSize = 256;
 
@@ -54,7 +54,7 @@ double least_ms(Progress& progress, const std::function<void()>& action) {
 }
 
 double per_unit(double ms, double units) {
-  return std::max(1e-3, ms * kNanosecondsPerMs / std::max(1.0, units));
+  return std::max(1e-3, ms * kNsPerMs / std::max(1.0, units));
 }
 
 void write_phantom(const std::string& path, const Phantom& phantom) {
@@ -158,7 +158,7 @@ void Calibration::measure_pose(const State& at_rest, const State& moved) {
   const double extend_ms = least_ms(m_progress, [&] { u = extended_displacement_of(moved); });
   const double invert_ms = least_ms(m_progress, [&] { invert_displacement(moved, u); });
   const double voxels = double(u.u.vectors.stored_bricks()) * kBrickVoxels;
-  const double still_ms = m_costs.still_brick * bricks / kNanosecondsPerMs;
+  const double still_ms = m_costs.still_brick * bricks / kNsPerMs;
   m_costs.displacement_voxel = per_unit(std::max(0.1 * extend_ms, extend_ms - still_ms), voxels);
   m_costs.invert_voxel = per_unit(std::max(0.1 * invert_ms, invert_ms - still_ms), voxels);
 }
@@ -189,7 +189,7 @@ void Calibration::measure_pictures(const State& state) {
   });
   // Time beside the march: a picture's cost before it and after, its file included.
   const double rays_ms =
-      ms[0] - m_costs.sample * samples[0] / kNanosecondsPerMs + std::max(0.0, file_ms - ms[1]);
+      ms[0] - m_costs.sample * samples[0] / kNsPerMs + std::max(0.0, file_ms - ms[1]);
   m_costs.ray = per_unit(std::max(0.1 * ms[0], rays_ms), double(kPictureSize) * kPictureSize);
 }
 

@@ -3,10 +3,10 @@
 
 #include "tools/scene/plan/moved_bricks.h"
 #include "tools/scene/plan/scene_plan.h"
+#include "volumes/base/units.h"
 
 namespace supple::tools {
 
-constexpr double kMegabyte = 1e6;
 constexpr double kBrickBytes4 = 4.0 * kBrickVoxels;    // of a number per voxel
 constexpr double kBrickBytes12 = 12.0 * kBrickVoxels;  // of a vector per voxel
 

@@ -9,6 +9,7 @@
 #include "tools/scene/plan/plan_ledger.h"
 #include "tools/scene/plan/ray_work.h"
 #include "tools/scene/run/scene_run.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
@@ -43,10 +44,6 @@ constexpr double kLargePageBytes = 3e6;  // of the heap, beside what is in use
 constexpr double kLegendCode = 7e6;      // of what draws legends and words, and writes EXR
 constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
 constexpr double kInvertedBytes = 100e3, kSlotBytes = 20e3;  // of a brick that moves, at the most
-
-bool ends_with(const std::string& name, const std::string& end) {
-  return name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-}
 
 /// Pixels of slices: an axial, a coronal and a sagittal one side by side, or those of a lightbox.
 double slice_pixels(const SliceChoice& slice, const Geometry& geometry) {

@@ -8,6 +8,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"
+#include "volumes/base/text.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {
@@ -56,7 +57,7 @@ std::string csv_field(const std::string& text) {
 }
 
 std::string csv_vector(const Vec3d& v) {
-  return "," + number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z);
+  return "," + to_text(v);
 }
 
 }  // namespace

@@ -11,10 +11,6 @@ namespace supple::tools {
 
 namespace {
 
-Vec3i nearest_voxel(const Vec3d& index) {
-  return floor_voxel(index + Vec3d(0.5));
-}
-
 /// True if a corner of the place's cell is an element.
 bool is_beside_element(const BrickTopology& elements, const Vec3d& index) {
   for (int n = 0; n < 8; ++n) {
@@ -37,7 +33,7 @@ std::optional<double> value_between(const Volume& volume, const PaintedBody& bod
     if (weight == 0 || !volume.density.bricks().is_active(voxel)) continue;
     const Vec3d of_body =
         body.geometry.index_from_world(volume.geometry.world_from_index(Vec3d(voxel)));
-    if (!body.elements.is_active(nearest_voxel(of_body))) continue;
+    if (!body.elements.is_active(floor_voxel(of_body + Vec3d(0.5)))) continue;
     sum += weight * volume.density.at(voxel);
     weights += weight;
   }
@@ -104,7 +100,7 @@ ValuePaint overlay_paint(const TissueMarks& marks, const PaintedBody& body, Pain
     Vec3d at_rest;
     if (!rest_place(index, at_rest)) return std::nullopt;
     const bool is_tissue = edge == PaintEdge::halfway
-                               ? body.elements.is_active(nearest_voxel(at_rest))
+                               ? body.elements.is_active(floor_voxel(at_rest + Vec3d(0.5)))
                                : is_beside_element(body.elements, at_rest);
     if (!is_tissue) return std::nullopt;
     if (!is_det_f) return body.geometry.world_vector_from_index(index - at_rest).length();

@@ -1,7 +1,6 @@
 #include "tools/scene/run/scene_run.h"
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -104,9 +103,9 @@ SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_rea
                         !scene.output.forces.empty()),
       m_progress(progress) {
   for (const std::string& line : scene.warnings) progress.warn(line);
-  const auto begin = std::chrono::steady_clock::now();
+  const Stopwatch clock;
   open();
-  m_open_s = ms_since(begin) * kSPerMs;
+  m_open_s = clock.ms() * kSPerMs;
   check_places(scene, m_state.geometry);
 }
 

@@ -10,6 +10,7 @@
 #include "raycast/pictures/background.h"
 #include "tools/scene/run/overlay_paint.h"
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/volume.h"
@@ -112,17 +113,11 @@ std::vector<SlicePanel> panels_of(const SliceChoice& choice, const Geometry& geo
   return panels;
 }
 
-std::string one_decimal(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", value);
-  return text;
-}
-
 /// Writes "L 12.0": the distance towards a side.
 std::string side_and_distance(int axis, double lps) {
   Vec3d direction(0);
   direction[axis] = lps < 0 ? -1 : 1;
-  return orientation_letters(direction) + " " + one_decimal(std::abs(lps));
+  return orientation_letters(direction) + " " + decimal_text(std::abs(lps), 1);
 }
 
 std::vector<std::string> words_of(const SlicePanel& panel, const SliceChoice& choice,

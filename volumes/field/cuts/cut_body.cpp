@@ -262,7 +262,7 @@ CellSides CutBody::sides(const Vec3i& cell) const {
       for (int axis = 0; axis < 3; ++axis) {
         const int bit = 4 >> axis, next = n ^ bit, low = n & ~bit;
         if (sides.of[std::size_t(next)] != 255) continue;
-        if (is_cut(cell + Vec3i(low >> 2, low >> 1 & 1, low & 1), axis)) continue;
+        if (is_cut(cell + cell_corner(low), axis)) continue;
         sides.of[std::size_t(next)] = side;
         open |= 1 << next;
       }

@@ -153,11 +153,11 @@ std::array<float, 8> CutFaces::depths_of_corners(const TornCell& cell, int side)
   }
   for (int n = 0; n < 8; ++n) {
     const bool is_own = cell.sides.of[std::size_t(n)] == side;
-    into += Vec3d(n >> 2, n >> 1 & 1, n & 1) * (is_own ? 1.0 / own : -1.0 / (8 - own));
+    into += Vec3d(cell_corner(n)) * (is_own ? 1.0 / own : -1.0 / (8 - own));
   }
   if (cell.sides.count != 2) return depths;  // no plane has three sides
   for (int n = 0; n < 8; ++n) {
-    const Vec3d X = Vec3d(cell.cell) + Vec3d(n >> 2, n >> 1 & 1, n & 1);
+    const Vec3d X = Vec3d(cell.cell) + Vec3d(cell_corner(n));
     const Distance distance = signed_distance(X, into);
     if (!distance.is_known) continue;
     const double sign = cell.sides.of[std::size_t(n)] == side ? 1 : -1;

@@ -113,7 +113,7 @@ bool CutPiece::is_own(const Vec3d& t) const {
 CellCorners CutPiece::corners() const {
   CellCorners corners;
   for (int n = 0; n < 8; ++n) {
-    const int step[3] = {n >> 2, n >> 1 & 1, n & 1};
+    const Vec3i step = cell_corner(n);
     for (int a = 0; a < 3; ++a) corners.p[a][n] = step[a] + double(u[std::size_t(n)][a]);
   }
   return corners;
@@ -256,7 +256,7 @@ Vec3d CutPiece::middle() const {
   int count = 0;
   for (int n = 0; n < 8; ++n) {
     if (depth[std::size_t(n)] < 0) continue;
-    sum += Vec3d(n >> 2, n >> 1 & 1, n & 1);
+    sum += Vec3d(cell_corner(n));
     ++count;
   }
   return Vec3d(cell) + sum / double(count);

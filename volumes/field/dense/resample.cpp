@@ -27,10 +27,6 @@ bool is_on_lattice_range(const Vec3d& pos) {
   return std::max({std::abs(pos.x), std::abs(pos.y), std::abs(pos.z)}) < kMaxVoxelCoordinate;
 }
 
-Vec3i nearest_voxel(const Vec3d& pos) {
-  return {int(std::lround(pos.x)), int(std::lround(pos.y)), int(std::lround(pos.z))};
-}
-
 /// Offsets that grid points without material read.
 class VoidOffsets {
  public:

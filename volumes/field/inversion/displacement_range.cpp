@@ -5,6 +5,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/text.h"
 #include "volumes/field/brick_nodes.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
@@ -32,7 +33,7 @@ struct Range4 {
 };
 
 [[noreturn]] void refuse(const Vec3i& voxel) {
-  throw InputError({"", "displacement at voxel " + dims_text(voxel),
+  throw InputError({"", "displacement at voxel " + to_text(voxel, " "),
                     "a vector that is not finite or longer than 10^6 voxels",
                     "finite displacements"});
 }

@@ -6,6 +6,7 @@
 
 #include "volumes/field/inversion/lanes.h"
 #include "volumes/field/inversion/source_cells.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -56,7 +57,7 @@ inline LaneEdges edges_of(const LaneCorners& corners) {
 inline Lanes min_det_of(const LaneEdges& edges) {
   Lanes smallest;
   for (int n = 0; n < 8; ++n) {
-    const int x = n >> 2, y = (n >> 1) & 1, z = n & 1;
+    const auto [x, y, z] = cell_corner(n);
     const Lanes det = dot(edges.x[2 * y + z], cross(edges.y[2 * x + z], edges.z[2 * x + y]));
     smallest = n == 0 ? det : smaller(smallest, det);
   }

@@ -6,6 +6,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/text.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
@@ -51,8 +52,8 @@ IndexBox nodes_of(const CellCorners& corners, const Vec3i& cell) {
     count *= std::max(0, nodes.hi[a] - nodes.lo[a] + 1);
   }
   if (count > kMaxNodesPerCell) {
-    throw InputError({"", "displacement at voxel " + dims_text(cell),
-                      "a cell stretched over " + dims_text(nodes.hi - nodes.lo) + " voxels",
+    throw InputError({"", "displacement at voxel " + to_text(cell, " "),
+                      "a cell stretched over " + to_text(nodes.hi - nodes.lo, " ") + " voxels",
                       "a field without tears (at most 2^24 voxels per cell)"});
   }
   return nodes;
@@ -81,10 +82,6 @@ std::vector<Vec3i> reachable_origins(const VectorBricks& u,
 bool is_torn(const IndexBox& reach) {
   const Vec3d extent = Vec3d(reach.hi) - Vec3d(reach.lo) + Vec3d(1);
   return !reach.empty() && extent.x * extent.y * extent.z > kLargeBox;
-}
-
-std::string dims_text(const Vec3i& v) {
-  return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z);
 }
 
 }  // namespace supple

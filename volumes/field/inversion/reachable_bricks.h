@@ -39,6 +39,4 @@ inline void add_box(const Vec3i& lo, const Vec3i& hi, std::vector<Vec3i>& origin
   for_bricks_of(lo, hi, [&](const Vec3i& origin) { origins.push_back(origin); });
 }
 
-std::string dims_text(const Vec3i& v);
-
 }  // namespace supple

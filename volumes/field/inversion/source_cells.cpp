@@ -121,7 +121,7 @@ CellCorners cell_corners(const SourceCells& cells, int offset) {
   const Vec3i c = brick_local(offset);
   CellCorners corners;
   for (int n = 0; n < 8; ++n) {
-    const int x = n >> 2, y = (n >> 1) & 1, z = n & 1;
+    const auto [x, y, z] = cell_corner(n);
     const Vec3f u = cells.u(c.x + x, c.y + y, c.z + z);
     corners.p[0][n] = x + double(u.x);
     corners.p[1][n] = y + double(u.y);

@@ -3,6 +3,7 @@
 
 #include "volumes/field/columns.h"
 #include "volumes/field/inversion/cell_corners.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -41,7 +42,7 @@ struct TrilinearCell {
   CellCorners corners() const {
     CellCorners corners;
     for (int n = 0; n < 8; ++n) {
-      const int step[3] = {n >> 2, n >> 1 & 1, n & 1};
+      const Vec3i step = cell_corner(n);
       for (int a = 0; a < 3; ++a) corners.p[a][n] = step[a] + u[n][a];
     }
     return corners;

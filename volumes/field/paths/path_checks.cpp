@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 
@@ -12,8 +13,8 @@ void require_path(bool good, const std::string& field, const std::string& found,
 }
 
 void require_finite(const std::string& field, const Vec3d& v) {
-  require_path(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z), field,
-               vector_text(v), "three finite numbers");
+  require_path(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z), field, to_text(v),
+               "three finite numbers");
 }
 
 void require_between(const std::string& field, double value, double lo, double hi,
@@ -32,17 +33,13 @@ Vec3d unit_across(const std::string& field, const Vec3d& v, const Vec3d& axis,
                   const std::string& expected) {
   require_finite(field, v);
   const Vec3d across = v - axis * v.dot(axis);
-  require_path(across.length() > 1e-6 * v.length(), field, vector_text(v), expected);
+  require_path(across.length() > 1e-6 * v.length(), field, to_text(v), expected);
   return across.normalized();
 }
 
 Vec3d rotated(const Vec3d& v, const Vec3d& axis, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   return v * c + axis.cross(v) * s + axis * (axis.dot(v) * (1 - c));
-}
-
-std::string vector_text(const Vec3d& v) {
-  return number_text(v.x) + "," + number_text(v.y) + "," + number_text(v.z);
 }
 
 }  // namespace supple

@@ -21,6 +21,4 @@ Vec3d unit_across(const std::string& field, const Vec3d& v, const Vec3d& axis,
                   const std::string& expected);
 /// v turned about a unit axis by an angle in radians, right-handed.
 Vec3d rotated(const Vec3d& v, const Vec3d& axis, double angle);
-std::string vector_text(const Vec3d& v);
-
 }  // namespace supple

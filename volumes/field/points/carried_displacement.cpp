@@ -53,7 +53,7 @@ void CarriedDisplacement::tear(const std::vector<TornCell>& torn, const CutFaces
 /// Corners without weight do not count.
 bool CarriedDisplacement::is_known(const Vec3i& voxel, const Vec3d& t) const {
   for (int n = 0; n < 8; ++n) {
-    const Vec3i step(n >> 2, n >> 1 & 1, n & 1);
+    const Vec3i step = cell_corner(n);
     bool has_weight = true;
     for (int a = 0; a < 3; ++a) has_weight = has_weight && (step[a] == 0 || t[a] > 0);
     if (has_weight && !m_u.topology.is_active(voxel + step)) return false;

@@ -7,6 +7,7 @@
 #include "volumes/field/points/folded_places.h"
 #include "volumes/field/points/point_motion.h"
 #include "volumes/field/points/point_solver.h"
+#include "volumes/grid/cell.h"
 
 namespace supple {
 
@@ -35,7 +36,7 @@ class WarpCells {
       if (voxel[a] < -1 || voxel[a] >= m_dims[a]) return false;
     }
     for (int n = 0; n < 8; ++n) {
-      Vec3i p = voxel + Vec3i(n >> 2, n >> 1 & 1, n & 1);
+      Vec3i p = voxel + cell_corner(n);
       for (int a = 0; a < 3; ++a) p[a] = std::clamp(p[a], 0, m_dims[a] - 1);
       cell.u[n] = vector(p);
     }

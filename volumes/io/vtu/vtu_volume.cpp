@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "volumes/base/error.h"
+#include "volumes/base/text.h"
 #include "volumes/io/vtu/vtu.h"
 
 namespace supple {
@@ -69,8 +70,7 @@ class SolidVectors : public VolumeFile {
     m_header.warnings.push_back(
         std::to_string(turned) + " of " + std::to_string(m_solid.tetrahedra.size()) +
         " tetrahedra are turned inside out by their motion, the first near LPS " +
-        number_text(first.x) + ", " + number_text(first.y) + ", " + number_text(first.z) +
-        " mm: the warp folds there");
+        to_text(first, ", ") + " mm: the warp folds there");
   }
 
   void place_tetrahedra() {

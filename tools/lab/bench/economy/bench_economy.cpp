@@ -14,6 +14,7 @@
 #include "tools/lab/bench/report/timing.h"
 #include "tools/scene/peers/peer_process.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/units.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {
@@ -22,7 +23,6 @@ namespace {
 
 constexpr int kRadius = 24, kPictureSize = 256;
 constexpr int kAirVoxels = 2;  // at the faces of the box
-constexpr double kMegabytes = 1e6;
 const char* const kTissue =
     "domain = [0, 1000]\nactive = [1, 1000]\nmax_length = [[0, 1.2]]\nmin_length = [[0, 0.8]]\n"
     "shear = [[0, 0.3]]\n";
@@ -82,7 +82,7 @@ void measure_stage(BenchRow& row, const std::string& stage, const Action& action
   const PeakMemory peak;
   row[stage + "_ms"] = cpu_time_ms(action);
   const auto growth = peak.growth();
-  if (growth) row[stage + "_mb"] = double(*growth) / kMegabytes;
+  if (growth) row[stage + "_mb"] = double(*growth) / kMegabyte;
 }
 
 BenchRow measure_economy(const EconomyRow& row, const ScratchFolder& folder) {
@@ -95,7 +95,7 @@ BenchRow measure_economy(const EconomyRow& row, const ScratchFolder& folder) {
   std::optional<Session> session;
   session.emplace(path, options);
   State state = session->state();
-  result["source_mb"] = double(state.density.bytes() + session->body().bytes()) / kMegabytes;
+  result["source_mb"] = double(state.density.bytes() + session->body().bytes()) / kMegabyte;
   measure_stage(result, "solve", [&] { session->drag(Vec3i(row.size / 2), {0, 5, 0}); });
   state = session->state();
   Pose pose;

@@ -13,6 +13,7 @@
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/report/row_filter.h"
 #include "tools/lab/bench/report/timing.h"
+#include "volumes/base/error.h"
 
 namespace supple::tools {
 
@@ -51,9 +52,7 @@ struct FitRow {
   std::string model;
 
   std::string name() const {
-    char ratio[16];
-    std::snprintf(ratio, sizeof ratio, "%g", poisson);
-    return std::string(load->name) + "/" + ratio + "/" + model;
+    return std::string(load->name) + "/" + number_text(poisson) + "/" + model;
   }
 };
 

@@ -9,6 +9,7 @@
 #include "tools/lab/bench/elastic/springs_membrane.h"
 #include "tools/lab/bench/report/row_filter.h"
 #include "tools/lab/bench/report/timing.h"
+#include "volumes/base/error.h"
 
 namespace supple::tools {
 
@@ -36,9 +37,7 @@ struct MovingMembrane {
 };
 
 std::string row_name(const SpringsWorkload& workload, const std::string& integrator) {
-  char stiffness[32];
-  std::snprintf(stiffness, sizeof stiffness, "%g", workload.stiffness_n_m);
-  return workload.kind + "/" + stiffness + "/" + integrator;
+  return workload.kind + "/" + number_text(workload.stiffness_n_m) + "/" + integrator;
 }
 
 std::vector<SpringsWorkload> plan_springs(const SpringsBenchOptions& options) {
