@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "volumes/base/simd.h"
+
 namespace supple {
 
 namespace {
@@ -50,8 +52,8 @@ void add_path(const HaloBits& links, const HaloBits& from, int axis, bool positi
 }
 
 BrickMask own_bits(const HaloBits& halo) {
-  using EightRows = std::uint16_t __attribute__((vector_size(16)));
-  using EightBytes = std::uint8_t __attribute__((vector_size(8)));
+  using EightRows = Pack<std::uint16_t, 8>;
+  using EightBytes = Pack<std::uint8_t, 8>;
   BrickMask mask;
   for (int i = 0; i < 8; ++i) {
     EightRows rows;

@@ -5,16 +5,17 @@
 #include <utility>
 
 #include "lib/chainmail/link_costs.h"
+#include "volumes/base/simd.h"
 #include "volumes/grid/brick_topology.h"
 
 namespace supple {
 
 /// One row of a brick, and as many rows as the machine's vectors hold.
-using SlackRow = Level __attribute__((vector_size(32), may_alias));
-using SignedRow = std::int32_t __attribute__((vector_size(32), may_alias));
+using SlackRow = AliasingPack<Level, 8>;
+using SignedRow = AliasingPack<std::int32_t, 8>;
 #ifdef __AVX512F__
-using Rows = Level __attribute__((vector_size(64), may_alias));
-using SignedRows = std::int32_t __attribute__((vector_size(64), may_alias));
+using Rows = AliasingPack<Level, 16>;
+using SignedRows = AliasingPack<std::int32_t, 16>;
 #else
 using Rows = SlackRow;
 using SignedRows = SignedRow;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "volumes/base/simd.h"
 #include "volumes/grid/cell.h"
 
 namespace supple {
@@ -11,28 +12,12 @@ namespace supple {
 namespace {
 
 /// Four elements of one row, every other one.
-using Lane = double __attribute__((vector_size(32)));
-using MaskLane = std::int64_t __attribute__((vector_size(32)));
-using CellQuad = float __attribute__((vector_size(16)));
+using Lane = Pack<double, 4>;
+using MaskLane = Pack<std::int64_t, 4>;
+using CellQuad = Pack<float, 4>;
 
 inline Lane load(const double* values) {
-  Lane lane;
-  std::memcpy(&lane, values, sizeof lane);
-  return lane;
-}
-inline void store(double* values, Lane lane) {
-  std::memcpy(values, &lane, sizeof lane);
-}
-inline Lane smaller(Lane a, Lane b) {
-  return a < b ? a : b;
-}
-inline Lane larger(Lane a, Lane b) {
-  return a > b ? a : b;
-}
-/// Rounds towards zero, to whole units of 2^-32 voxel.
-inline Lane truncated(Lane lane) {
-  for (int n = 0; n < 4; ++n) lane[n] = std::trunc(lane[n]);
-  return lane;
+  return load_pack<Lane>(values);
 }
 
 struct Lane3 {
@@ -125,7 +110,7 @@ inline Lane beyond_rest(const BrickRest& rest, int axis, bool up, int i, int j, 
   return stretch - load(values);
 }
 inline Lane pulled(const LinkLane& link, Lane beyond) {
-  return larger(-link.yield, smaller(link.yield, beyond));
+  return lanes_max(-link.yield, lanes_min(link.yield, beyond));
 }
 
 /// Pull of the links of four elements in one coordinate, and how far these may rise and sink.
@@ -166,8 +151,8 @@ inline void ask_links(const CellBrick& brick, const BrickSprings& links, const L
         CellForces& ask = asks[c];
         ask.force += link.stiffness * pull;
         ask.stiffness += link.stiffness;
-        ask.rise = smaller(ask.rise, (up ? link.lower : link.upper) + apart);
-        ask.sink = smaller(ask.sink, (up ? link.upper : link.lower) - apart);
+        ask.rise = lanes_min(ask.rise, (up ? link.lower : link.upper) + apart);
+        ask.sink = lanes_min(ask.sink, (up ? link.upper : link.lower) - apart);
       }
     }
   }
@@ -264,12 +249,12 @@ Lane step_four(CellBrick& brick, const BrickSprings& links, const LinkTables& ta
             std::min(sink[lane], std::max(0.0, here[lane] - sweep.bounds->least[c][offset]));
       }
     }
-    const Lane step = chosen(free[c], truncated(larger(-sink, smaller(rise, wanted))));
-    store(place, here + step);
+    const Lane step = chosen(free[c], truncated(lanes_max(-sink, lanes_min(rise, wanted))));
+    store_pack(place, here + step);
     for (int n = 0; n < 8; ++n) excess[n] += gradients[n].c[c] * step;
-    largest = larger(largest, larger(step, -step));
+    largest = lanes_max(largest, lanes_max(step, -step));
   }
-  for (int n = 0; n < 8; ++n) store(brick.excess + cells[n], excess[n]);
+  for (int n = 0; n < 8; ++n) store_pack(brick.excess + cells[n], excess[n]);
   return largest;
 }
 
@@ -289,7 +274,7 @@ double sweep_all(CellBrick& brick, const BrickSprings& links, const LinkTables& 
         if (any == 0) continue;
         const int* beside = CellBrick::kPlace[k];
         const CellRun at{i, j, k, CellBrick::node_row(i, j) + beside[1], beside};
-        largest = larger(largest, step_four<kPlastic>(brick, links, tables, sweep, at, free));
+        largest = lanes_max(largest, step_four<kPlastic>(brick, links, tables, sweep, at, free));
       }
     }
   }
@@ -305,8 +290,8 @@ void find_excess(CellBrick& brick) {
       // The cells at k = 0, 2, 4, 6; at -1, 1, 3, 5; and at 1, 3, 5, 7.
       constexpr int kEven = 0, kOdd = CellBrick::kFirstOdd;
       const auto find = [&](int low, int high) {
-        store(brick.excess + cells + low,
-              load(brick.root_share + cells + low) * excess_of(brick, nodes + low, nodes + high));
+        store_pack(brick.excess + cells + low, load(brick.root_share + cells + low) *
+                                                   excess_of(brick, nodes + low, nodes + high));
       };
       find(kEven, kOdd + 1);
       find(kOdd, kEven);

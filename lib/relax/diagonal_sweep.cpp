@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "lib/relax/node_rows.h"
+#include "volumes/base/simd.h"
 
 namespace supple {
 
@@ -11,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr unsigned kWholeRow = 0xff;
-using EntryRow = std::int32_t __attribute__((vector_size(32)));
+using EntryRow = Pack<std::int32_t, 8>;
 
 /// Table of the nodes of a row that come in a pass before their neighbours in a direction.
 class PassOrder {
@@ -130,8 +131,8 @@ class BrickSweep {
     const NodeRow force = away.stiffness * stretch;
     ask.force += force;
     ask.stiffness += away.stiffness;
-    ask.rise = smaller(ask.rise, away.narrower + stretch);
-    ask.sink = smaller(ask.sink, away.wider - stretch);
+    ask.rise = lanes_min(ask.rise, away.narrower + stretch);
+    ask.sink = lanes_min(ask.sink, away.wider - stretch);
     m_energy += chosen(m_first[direction] & counted, force * stretch);
   }
 
@@ -145,10 +146,10 @@ class BrickSweep {
     }
     if (m_sweep.bounds != nullptr) {
       const int first = 64 * i + 8 * j;
-      up = smaller(up, larger(NodeRow{}, load(m_sweep.bounds->most + first) - here));
-      down = smaller(down, larger(NodeRow{}, here - load(m_sweep.bounds->least + first)));
+      up = lanes_min(up, lanes_max(NodeRow{}, load(m_sweep.bounds->most + first) - here));
+      down = lanes_min(down, lanes_max(NodeRow{}, here - load(m_sweep.bounds->least + first)));
     }
-    return truncated(larger(-down, smaller(up, wanted)));
+    return truncated(lanes_max(-down, lanes_min(up, wanted)));
   }
 
   /// Steps one row. The eight rows around it stay meanwhile, so their links are asked once.
@@ -168,10 +169,10 @@ class BrickSweep {
       RowAsk ask = around;
       ask_links(direction_along(2, false), i, j, here, colour, ask);
       ask_links(direction_along(2, true), i, j, here, colour, ask);
-      m_least = smaller(m_least, chosen_or(colour, smaller(ask.rise, ask.sink), kInfinity));
+      m_least = lanes_min(m_least, chosen_or(colour, lanes_min(ask.rise, ask.sink), kInfinity));
       const NodeRow step = chosen(free & colour, step_of(ask, i, j, here));
       here += step;
-      m_largest = larger(m_largest, larger(step, -step));
+      m_largest = lanes_max(m_largest, lanes_max(step, -step));
       if (!m_sweep.at_once) std::memcpy(row, &here, sizeof here);
     }
     std::memcpy(out + 64 * i + 8 * j, &here, sizeof here);

@@ -8,31 +8,17 @@
 
 #include "lib/relax/brick_springs.h"
 #include "lib/relax/link_table.h"
+#include "volumes/base/simd.h"
 
 namespace supple {
 
-using NodeRow = double __attribute__((vector_size(64)));
-using FloatRow = float __attribute__((vector_size(32)));
-using Quad = float __attribute__((vector_size(16)));
-using MaskRow = std::int64_t __attribute__((vector_size(64)));
-
-inline NodeRow smaller(NodeRow a, NodeRow b) {
-  return a < b ? a : b;
-}
-inline NodeRow larger(NodeRow a, NodeRow b) {
-  return a > b ? a : b;
-}
+using NodeRow = Pack<double, 8>;
+using FloatRow = Pack<float, 8>;
+using Quad = Pack<float, 4>;
+using MaskRow = Pack<std::int64_t, 8>;
 
 inline NodeRow load(const double* values) {
-  NodeRow row;
-  std::memcpy(&row, values, sizeof row);
-  return row;
-}
-
-/// Rounds towards zero, to whole units of 2^-32 voxel.
-inline NodeRow truncated(NodeRow row) {
-  for (int lane = 0; lane < 8; ++lane) row[lane] = std::trunc(row[lane]);
-  return row;
+  return load_pack<NodeRow>(values);
 }
 
 /// Eight links side by side.

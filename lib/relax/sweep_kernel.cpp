@@ -29,7 +29,7 @@ inline NodePull pull_of(const LinkRow& link, NodeRow stretch, const double* rest
   NodeRow pulled = stretch, work = stretch;
   if constexpr (kPlastic) {
     const NodeRow beyond = stretch - load(rest);
-    pulled = larger(-link.yield, smaller(link.yield, beyond));
+    pulled = lanes_max(-link.yield, lanes_min(link.yield, beyond));
     work = beyond + beyond - pulled;
   }
   const NodeRow force = link.stiffness * pulled;
@@ -48,14 +48,14 @@ struct NodeForces {
   void add_next(const NodePull& pull) {
     force += pull.force;
     stiffness += pull.stiffness;
-    rise = smaller(rise, pull.narrower);
-    sink = smaller(sink, pull.wider);
+    rise = lanes_min(rise, pull.narrower);
+    sink = lanes_min(sink, pull.wider);
   }
   void add_last(const NodePull& pull) {
     force -= pull.force;
     stiffness += pull.stiffness;
-    rise = smaller(rise, pull.wider);
-    sink = smaller(sink, pull.narrower);
+    rise = lanes_min(rise, pull.wider);
+    sink = lanes_min(sink, pull.narrower);
   }
 };
 
@@ -64,7 +64,7 @@ inline NodeRow step_of(const NodeForces& ask, const SweepRule& rule) {
   const NodeRow wanted = ask.force * rule.relaxation / (ask.stiffness + kNoStiffness);
   if constexpr (!kLimited) return truncated(wanted);
   const NodeRow up = ask.rise * rule.share, down = ask.sink * rule.share;
-  return truncated(larger(-down, smaller(up, wanted)));
+  return truncated(lanes_max(-down, lanes_min(up, wanted)));
 }
 
 /// Force of one spring, as pull_of().
@@ -124,13 +124,13 @@ SweepOutcome sweep(const PaddedBrick<double>& offsets, const BrickSprings& links
       last_i[j] = next_i;
       last_j = next_j;
 
-      least = smaller(least, smaller(ask.rise, ask.sink));
+      least = lanes_min(least, lanes_min(ask.rise, ask.sink));
       const int first = 64 * i + 8 * j;
       const unsigned bits = unsigned(free[std::size_t(i)] >> (8 * j)) & 0xff;
       const NodeRow step = chosen(bits, step_of<kLimited>(ask, rule));
       const NodeRow moved = here + step;
       std::memcpy(out + first, &moved, sizeof moved);
-      largest = larger(largest, larger(step, -step));
+      largest = lanes_max(largest, lanes_max(step, -step));
     }
   }
   return outcome_of(energy, least, largest);

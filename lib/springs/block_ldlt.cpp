@@ -6,6 +6,8 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
+#include "volumes/base/simd.h"
+
 namespace supple {
 
 namespace {
@@ -26,13 +28,11 @@ std::vector<int> elimination_order(int rows, const std::vector<std::array<int, 2
 }
 
 /// A column of a block, in one register where the machine has such.
-typedef double Lanes __attribute__((vector_size(32)));
+using Lanes = Pack<double, 4>;
 
 template <class Block>
 inline Lanes column_of(const Block& a, int c) {
-  Lanes lanes;
-  std::memcpy(&lanes, a.column[c], sizeof lanes);
-  return lanes;
+  return load_pack<Lanes>(a.column[c]);
 }
 
 /// y -= a b^T, a by its columns.

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "volumes/base/memory.h"
+#include "volumes/base/simd.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -83,8 +84,8 @@ class NodeRange {
 
  private:
   static constexpr int kFloats8 = 8;
-  using Floats8 = float __attribute__((vector_size(4 * kFloats8)));
-  using Ints8 = std::int32_t __attribute__((vector_size(4 * kFloats8)));
+  using Floats8 = Pack<float, kFloats8>;
+  using Ints8 = Pack<std::int32_t, kFloats8>;
 
   void add(int a, float lo, float hi) {
     m_lo[a] = lo < m_lo[a] ? lo : m_lo[a];

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "volumes/base/simd.h"
 #include "volumes/field/vector_bricks.h"
 
 namespace supple {
@@ -58,7 +59,7 @@ class NodeSlots {
 };
 
 /// Four packed floats, of which three count.
-using Float4 = float __attribute__((vector_size(16)));
+using Float4 = Pack<float, 4>;
 
 /// The trilinear vector and its derivatives along the axes.
 struct NodeDerivatives {

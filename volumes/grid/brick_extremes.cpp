@@ -5,14 +5,15 @@
 #include <cstdint>
 #include <cstring>
 
+#include "volumes/base/simd.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
 namespace {
 
-using DensityRow = float __attribute__((vector_size(32)));
-using DensityBits = std::int32_t __attribute__((vector_size(32)));
+using DensityRow = Pack<float, 8>;
+using DensityBits = Pack<std::int32_t, 8>;
 constexpr DensityBits kLaneBit = {1, 2, 4, 8, 16, 32, 64, 128};
 
 /// Smallest and largest value of every lane; lo > hi: none.

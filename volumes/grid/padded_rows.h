@@ -2,6 +2,7 @@
 // tested at once.
 #pragma once
 
+#include "volumes/base/simd.h"
 #include "volumes/grid/brick_topology.h"
 
 namespace supple {
@@ -91,7 +92,7 @@ class Extrapolation {
   }
 
  private:
-  using Lanes = double __attribute__((vector_size(32)));  // of which three count
+  using Lanes = Pack<double, 4>;  // of which three count
   static Lanes lanes(const Vec3f& v) { return Lanes{double(v.x), double(v.y), double(v.z), 0}; }
 
   Lanes m_mean{}, m_linear{};

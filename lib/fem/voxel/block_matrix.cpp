@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "volumes/base/parallel.h"
+#include "volumes/base/simd.h"
 
 namespace supple {
 
@@ -46,17 +47,11 @@ void neighbours_of(const HexMesh& mesh, const ElementsAround& around, NodeIndex 
 }
 
 template <class T>
-struct FourOf {
-  using type __attribute__((vector_size(4 * sizeof(T)))) = T;
-};
-template <class T>
-using Four = typename FourOf<T>::type;
+using Four = Pack<T, 4>;
 
 template <class T>
 Four<T> four_at(const T* values) {
-  Four<T> lanes;
-  std::memcpy(&lanes, values, sizeof lanes);
-  return lanes;
+  return load_pack<Four<T>>(values);
 }
 
 }  // namespace

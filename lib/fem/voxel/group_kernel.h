@@ -10,20 +10,14 @@
 
 #include "lib/fem/voxel/element_groups.h"
 #include "lib/fem/voxel/element_matrix.h"
+#include "volumes/base/simd.h"
 
 namespace supple {
 
 template <class T>
-struct LaneVector {
-  using type __attribute__((vector_size(kGroup * sizeof(T)), may_alias)) = T;
-  using anywhere __attribute__((vector_size(kGroup * sizeof(T)), aligned(sizeof(T)), may_alias)) =
-      T;
-};
+using ElementLanes = AliasingPack<T, kGroup>;
 template <class T>
-using ElementLanes = typename LaneVector<T>::type;
-/// Lanes at any address.
-template <class T>
-using LanesAnywhere = typename LaneVector<T>::anywhere;
+using LanesAnywhere = PackAnywhere<T, kGroup>;
 
 /// Eight points x y z x y z ... to a vector per component.
 template <class T, class X>

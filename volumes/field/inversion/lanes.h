@@ -10,16 +10,16 @@
 #include <immintrin.h>
 #endif
 
+#include "volumes/base/simd.h"
+
 namespace supple {
 
 constexpr int kLanes = 16;
-using Lanes = float __attribute__((vector_size(64)));
-using LaneInts = std::int32_t __attribute__((vector_size(64)));
+using Lanes = Pack<float, 16>;
+using LaneInts = Pack<std::int32_t, 16>;
 
 inline Lanes load_lanes(const float* from) {
-  Lanes v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
+  return load_pack<Lanes>(from);
 }
 inline Lanes broadcast(float value) {
   return Lanes{} + value;

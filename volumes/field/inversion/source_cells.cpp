@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "volumes/base/simd.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/grid/cell.h"
 #include "volumes/grid/mask_steps.h"
@@ -31,15 +32,13 @@ unsigned voxel_row(const BrickTopology& voxels, const std::array<std::int32_t, 8
   return row(column) | (row(column + 1) & 1) << 8;
 }
 
-using Floats8 = float __attribute__((vector_size(32)));
-using Floats16 = float __attribute__((vector_size(64)));
+using Floats8 = Pack<float, 8>;
+using Floats16 = Pack<float, 16>;
 
 /// Row (x, y) of the corners: eight voxels and the first of the brick above.
 void copy_row(const Vec3f* row, const Vec3f* above, int x, int y, SourceCells& cells) {
   // The 24 components of the row, the middle ones in both halves.
-  Floats16 low, high;
-  std::memcpy(&low, &row[0].x, sizeof low);
-  std::memcpy(&high, &row[0].x + 8, sizeof high);
+  const auto low = load_pack<Floats16>(&row[0].x), high = load_pack<Floats16>(&row[0].x + 8);
   const Floats8 u[3] = {__builtin_shufflevector(low, high, 0, 3, 6, 9, 12, 15, 26, 29),
                         __builtin_shufflevector(low, high, 1, 4, 7, 10, 13, 24, 27, 30),
                         __builtin_shufflevector(low, high, 2, 5, 8, 11, 14, 25, 28, 31)};

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "volumes/base/simd.h"
 #include "volumes/field/brick_nodes.h"
 
 namespace supple {
@@ -14,7 +15,7 @@ namespace {
 constexpr double kMaxVoxels = 32768;
 constexpr float kInvalid = std::numeric_limits<float>::quiet_NaN();
 
-using Int4 = std::int32_t __attribute__((vector_size(16)));
+using Int4 = Pack<std::int32_t, 4>;
 
 inline Float4 to_four(const Vec3f& v) {
   const Float4 four = {v.x, v.y, v.z, 0};
