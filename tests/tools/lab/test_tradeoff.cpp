@@ -1,7 +1,9 @@
 // Time against error: rows and their file, fronts, values between points, and the command on a
 // ball.
+#include <filesystem>
 #include <fstream>
 #include <random>
+#include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -346,6 +348,24 @@ TEST(UnitTradePhases, SolvingIsWhatMovesTheBodyAlone) {
   EXPECT_EQ(phases.solve_s, 6);
   EXPECT_EQ(phases.invert_s, 48);
   EXPECT_EQ(phases.render_s, 64);
+}
+
+TEST(UnitTradePhases, NoStageThatReadsOrWritesCountsAsSolving) {
+  static const std::regex stage(
+      "stage\\(\"((?:read|writ|start|compress|invert|render)[^\"]*)\"\\)");
+  int found = 0;
+  for (const char* root : {"lib", "volumes", "raycast", "tools/scene"}) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(source_dir() + "/" + root)) {
+      if (entry.path().extension() != ".cpp") continue;
+      const std::string text = read_text(entry.path().string());
+      for (std::sregex_iterator match(text.begin(), text.end(), stage), end; match != end;
+           ++match, ++found) {
+        EXPECT_EQ(phases_of({{(*match)[1], 1}}).solve_s, 0) << (*match)[1];
+      }
+    }
+  }
+  EXPECT_GT(found, 10);
 }
 
 TEST_F(UnitTradeoff, PlansChooseAmongTheMethodsThatTakeTheScene) {

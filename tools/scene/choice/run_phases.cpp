@@ -1,13 +1,33 @@
 #include "tools/scene/choice/run_phases.h"
 
+#include <map>
+
 #include "tools/scene/run/scene_run.h"
 
 namespace supple::tools {
 
 namespace {
 
-bool begins_with(const std::string& name, const char* words) {
-  return name.rfind(words, 0) == 0;
+using Sum = double RunPhases::*;
+
+/// Stages that do not solve; models have others of their own.
+const std::map<std::string, Sum>& other_stages() {
+  static const std::map<std::string, Sum> table = {{"reading", &RunPhases::prepare_s},
+                                                   {"reading state", &RunPhases::prepare_s},
+                                                   {"building the body", &RunPhases::prepare_s},
+                                                   {"labels", &RunPhases::prepare_s},
+                                                   {"starting VTK", &RunPhases::prepare_s},
+                                                   {"starting DOLFINx", &RunPhases::prepare_s},
+                                                   {kDisplacementStage, &RunPhases::invert_s},
+                                                   {"inverting", &RunPhases::invert_s},
+                                                   {"sampling paths", &RunPhases::invert_s},
+                                                   {"rendering", &RunPhases::render_s},
+                                                   {"offsets", &RunPhases::other_s},
+                                                   {"forces on handles", &RunPhases::other_s},
+                                                   {"writing", &RunPhases::other_s},
+                                                   {"writing state", &RunPhases::other_s},
+                                                   {"compressing", &RunPhases::other_s}};
+  return table;
 }
 
 }  // namespace
@@ -15,17 +35,8 @@ bool begins_with(const std::string& name, const char* words) {
 RunPhases phases_of(const std::vector<std::pair<std::string, double>>& stages) {
   RunPhases phases;
   for (const auto& [name, seconds] : stages) {
-    if (begins_with(name, "reading") || name == "building the body" || name == "labels" ||
-        begins_with(name, "starting ")) {
-      phases.prepare_s += seconds;
-    } else if (name == kDisplacementStage || name == "inverting" || name == "sampling paths") {
-      phases.invert_s += seconds;
-    } else if (name == "rendering") {
-      phases.render_s += seconds;
-    } else if (!begins_with(name, "writing") && name != "offsets" && name != "compressing" &&
-               name != "forces on handles") {
-      phases.solve_s += seconds;  // models have stages of their own
-    }
+    const auto found = other_stages().find(name);
+    phases.*(found == other_stages().end() ? &RunPhases::solve_s : found->second) += seconds;
   }
   return phases;
 }
