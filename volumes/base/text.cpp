@@ -50,6 +50,23 @@ std::string exact_text(double value) {
   return {digits, std::to_chars(digits, digits + sizeof digits, value).ptr};
 }
 
+std::string base64_of(std::string_view bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned bits = 0;
+    for (std::size_t n = 0; n < 3; ++n) {
+      bits = bits << 8 | (i + n < bytes.size() ? std::uint8_t(bytes[i + n]) : 0u);
+    }
+    for (std::size_t n = 0; n < 4; ++n) {
+      text += i + n <= bytes.size() ? kDigits[bits >> (18 - 6 * n) & 63] : '=';
+    }
+  }
+  return text;
+}
+
 std::string decimal_text(double value, int places) {
   char text[350];
   std::snprintf(text, sizeof text, "%.*f", places, value);

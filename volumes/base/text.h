@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,9 @@ std::string exact_text(double value);
 
 /// Writes so many decimal places.
 std::string decimal_text(double value, int places);
+
+/// Bytes as RFC 4648 writes them, with padding.
+std::string base64_of(std::string_view bytes);
 
 /// Writes "1,2,3".
 std::string to_text(const Vec3i& v, const char* between = ",");

@@ -1,11 +1,10 @@
 // Files of a trade-off beside its rows: charts of their own, and a page with pictures.
 #include <random>
-#include <regex>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
-#include "tools/lab/tradeoff/page/page_text.h"
+#include "tools/lab/tradeoff/page/template.h"
 #include "tools/lab/tradeoff/page/thumbnails.h"
 #include "tools/lab/tradeoff/page/trade_chart.h"
 #include "tools/lab/tradeoff/page/trade_page.h"
@@ -79,14 +78,24 @@ TEST(UnitThumbnail, APixelIsTheMeanOfWhatItCoversOnWhite) {
   EXPECT_EQ(shrunk(image, 100).width, 6);
 }
 
-TEST(UnitThumbnail, BytesAreWrittenAsRfc4648SaysSo) {
-  const auto coded = [](const std::string& text) { return base64_of({text.begin(), text.end()}); };
-  EXPECT_EQ(coded(""), "");
-  EXPECT_EQ(coded("f"), "Zg==");
-  EXPECT_EQ(coded("fo"), "Zm8=");
-  EXPECT_EQ(coded("foo"), "Zm9v");
-  EXPECT_EQ(coded("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(coded("\xff\xfe\xfd"), "//79");
+TEST(UnitTemplate, SectionsStandForItemsAndForWhatIsThere) {
+  const Value values = {{"name", "a<b"},
+                        {"none", nullptr},
+                        {"list", Value::List{{{"name", "x"}}, {{"other", 0.25}}}},
+                        {"empty", Value::list()},
+                        {"words", std::vector<std::string>{"p", "q"}},
+                        {"size", 0},
+                        {"is_off", false}};
+  EXPECT_EQ(filled("{{name}} {{&name}} {{size}}", values), "a&lt;b a<b 0");
+  EXPECT_EQ(filled("{{#list}}[{{name}}]{{/list}}{{#words}}{{.}}{{/words}}", values),
+            "[x][a&lt;b]pq");
+  EXPECT_EQ(filled("{{#none}}1{{/none}}{{#empty}}2{{/empty}}{{#is_off}}3{{/is_off}}{{#no}}4{{/no}}",
+                   values),
+            "");
+  EXPECT_EQ(filled("{{^none}}1{{/none}}{{^empty}}2{{/empty}}{{^size}}3{{/size}}", values), "12");
+  EXPECT_EQ(filled("{{#none}}{{#list}}x{{/list}}y{{/none}}z", values), "z");
+  EXPECT_EQ(filled("a\n{{#list}}\nb\n{{/list}}\nc\n", values), "a\nb\nb\nc\n");
+  EXPECT_THROW(filled("{{missing}}", values), std::out_of_range);
 }
 
 /// A reference and so many rows of a scene; each slower and less wrong than the one before it.

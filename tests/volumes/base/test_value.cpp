@@ -7,6 +7,7 @@
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"
 #include "volumes/base/table.h"
+#include "volumes/base/text.h"
 #include "volumes/base/toml.h"
 
 using namespace supple;
@@ -169,4 +170,13 @@ TEST(UnitTable, ReadsJsonAndOptionsAsStrictlyAsToml) {
   Table options({{"step", Value::List{{{"soft", "x"}}}}}, "", {{"step[1].soft", "--soft"}});
   EXPECT_EQ(complaint([&] { options.tables("step").front().number("soft"); }),
             "--soft: found 'x', expected a finite number");
+}
+
+TEST(UnitText, BytesAreWrittenInBase64AsRfc4648SaysSo) {
+  EXPECT_EQ(base64_of(""), "");
+  EXPECT_EQ(base64_of("f"), "Zg==");
+  EXPECT_EQ(base64_of("fo"), "Zm8=");
+  EXPECT_EQ(base64_of("foo"), "Zm9v");
+  EXPECT_EQ(base64_of("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(base64_of("\xff\xfe\xfd"), "//79");
 }

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/lab/commands/lab_commands.h"
-#include "tools/lab/tradeoff/page/scene_charts.h"
 #include "tools/lab/tradeoff/page/trade_page.h"
 #include "volumes/base/files.h"
 

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "volumes/base/text.h"
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/bytes/text_header.h"
 
@@ -14,25 +15,12 @@ namespace {
 constexpr int kHexahedron = 12;  // VTK's number
 
 /// A length in bytes and the bytes, as one run of base64.
-std::string base64_of(const void* data, std::size_t size) {
-  static const char* const kDigits =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+std::string counted_base64(const void* data, std::size_t size) {
   const std::uint64_t length = size;
   std::string bytes(sizeof length + size, '\0');
   std::memcpy(&bytes[0], &length, sizeof length);
   if (size > 0) std::memcpy(&bytes[sizeof length], data, size);
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t n = 0; n < bytes.size(); n += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8 | (n + k < bytes.size() ? std::uint8_t(bytes[n + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += n + k <= bytes.size() ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-    }
-  }
-  return text;
+  return base64_of(bytes);
 }
 
 std::vector<std::int32_t> whole_numbers(const SolidArray& array) {
@@ -73,7 +61,7 @@ class VtuWriter {
                    const std::vector<T>& values) {
     m_file.write("<DataArray type=\"" + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
                  std::to_string(components) + "\" format=\"binary\">\n" +
-                 base64_of(values.data(), values.size() * sizeof(T)) + "\n</DataArray>\n");
+                 counted_base64(values.data(), values.size() * sizeof(T)) + "\n</DataArray>\n");
   }
   void write_arrays(const std::vector<SolidArray>& arrays, Progress* progress) {
     for (const SolidArray& array : arrays) {

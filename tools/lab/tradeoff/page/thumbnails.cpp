@@ -4,10 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 
-#include "tools/lab/tradeoff/page/page_text.h"
-#include "tools/scene/pictures/jpeg.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {
@@ -48,32 +45,6 @@ std::array<double, 3> mean_of(const Image& image, const PixelSpan& columns, cons
   return sum;
 }
 
-std::optional<Image> thumbnail_of(const std::string& picture) {
-  if (picture.empty() || !std::filesystem::exists(picture)) return std::nullopt;
-  try {
-    return shrunk(read_png(picture), kThumbnailPixels);
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
-}
-
-std::string caption_of(const TradeRow& row) {
-  const std::string time = time_text(row.time_s().median);
-  if (row.is_drawing()) return time + ", SSIM " + short_number(row.ssim);
-  return time + ", " + short_number(row.p95_mm) + " mm";
-}
-
-std::string figure_of(const TradeRow& row, std::size_t r, bool is_reference) {
-  if (!row.is_ok()) return "";
-  const std::optional<Image> image = thumbnail_of(row.picture);
-  if (!image) return "";
-  return "<figure><a href=\"#" + row_id(r) + "\"><img width=\"" + std::to_string(image->width) +
-         "\" height=\"" + std::to_string(image->height) + "\" alt=\"Picture of " +
-         html_text(row.command) + "\" src=\"data:image/jpeg;base64," + base64_of(jpeg_of(*image)) +
-         "\"></a><figcaption><code>" + html_text(row.name()) + "</code><br>" +
-         (is_reference ? "the reference" : caption_of(row)) + "</figcaption></figure>\n";
-}
-
 }  // namespace
 
 Image shrunk(const Image& image, int most) {
@@ -95,41 +66,13 @@ Image shrunk(const Image& image, int most) {
   return small;
 }
 
-std::string base64_of(const std::vector<std::uint8_t>& bytes) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned bits = 0;
-    for (std::size_t n = 0; n < 3; ++n)
-      bits = bits << 8 | (i + n < bytes.size() ? bytes[i + n] : 0);
-    for (std::size_t n = 0; n < 4; ++n) {
-      const bool is_there = n == 0 || i + n - 1 < bytes.size();
-      text += is_there ? kDigits[bits >> (18 - 6 * n) & 63] : '=';
-    }
+std::optional<Image> thumbnail_of(const std::string& picture) {
+  if (picture.empty() || !std::filesystem::exists(picture)) return std::nullopt;
+  try {
+    return shrunk(read_png(picture), kThumbnailPixels);
+  } catch (const InputError&) {
+    return std::nullopt;
   }
-  return text;
-}
-
-std::string gallery_of(const TradeResults& results, const SceneCurves& curves) {
-  const auto figure = [&](std::size_t r) {
-    return figure_of(results.rows[r], r, r == curves.reference);
-  };
-  std::string first = figure(curves.reference), rest;
-  for (const TradePoint& point : curves.front) first += figure(point.row);
-  for (const std::size_t r : curves.rows) {
-    const bool is_of_front = std::any_of(curves.front.begin(), curves.front.end(),
-                                         [&](const TradePoint& point) { return point.row == r; });
-    if (r != curves.reference && !is_of_front) rest += figure(r);
-  }
-  if (first.empty() && rest.empty()) return "";
-  std::string html =
-      "<h3>Pictures</h3>\n<p>The first view in space, as the reference and each row of the front "
-      "drew it.</p>\n<div class=\"pictures\">\n" +
-      first + "</div>\n";
-  if (rest.empty()) return html;
-  return html + "<details><summary>All other rows</summary><div class=\"pictures\">\n" + rest +
-         "</div></details>\n";
 }
 
 }  // namespace supple::tools

@@ -1,151 +1,160 @@
 #include "tools/lab/tradeoff/page/trade_page.h"
 
 #include <algorithm>
+#include <optional>
 
-#include "tools/lab/tradeoff/page/held_out_part.h"
-#include "tools/lab/tradeoff/page/page_parts.h"
+#include "tools/lab/tradeoff/held_out.h"
+#include "tools/lab/tradeoff/page/chart_style.h"
+#include "tools/lab/tradeoff/page/page_template.h"
 #include "tools/lab/tradeoff/page/page_text.h"
-#include "tools/lab/tradeoff/page/scene_charts.h"
+#include "tools/lab/tradeoff/page/template.h"
 #include "tools/lab/tradeoff/page/thumbnails.h"
-#include "tools/lab/tradeoff/trade_curves.h"
-#include "tools/lab/tradeoff/trade_tables.h"
+#include "tools/lab/tradeoff/page/trade_chart.h"
+#include "tools/scene/pictures/jpeg.h"
+#include "volumes/base/text.h"
 
 namespace supple::tools {
 
 namespace {
 
-/// One diagram of a scene with its tables: of solving, or of drawing.
-class PageOfCurves {
+std::string mm_text(double mm) {
+  return short_number(mm) + " mm";
+}
+
+std::string ssim_text(double error) {
+  return "SSIM " + short_number(1 - error);
+}
+
+ChartPoint chart_point(const TradeResults& results, std::size_t r) {
+  const TradeRow& row = results.rows[r];
+  const Spread& time = row.time_s();
+  return {time.median, time.least, time.most, row.error(), tip_of(row), '#' + row_id(r)};
+}
+
+LogChart chart_of(const TradeResults& results, const SceneCurves& curves) {
+  LogChart chart;
+  chart.x_name = curves.are_drawings ? "time of inverse and rendering, s" : "time of solving, s";
+  chart.y_name = curves.are_drawings ? "1 - SSIM" : "error p95, mm";
+  chart.floor_name = "floor of the reference";
+  chart.floor = curves.floor;
+  for (const MethodCurve& curve : curves.methods) {
+    ChartCurve drawn{curve.title, {}};
+    for (const TradePoint& point : curve.points) {
+      drawn.points.push_back(chart_point(results, point.row));
+    }
+    for (const std::size_t r : curve.missed) {
+      const TradeRow& row = results.rows[r];
+      chart.misses.push_back(
+          {chart.curves.size(), row.status != "failed", tip_of(row), '#' + row_id(r)});
+    }
+    chart.curves.push_back(std::move(drawn));
+  }
+  for (const TradePoint& point : curves.front) {
+    chart.front.push_back(chart_point(results, point.row));
+  }
+  return chart;
+}
+
+Value choice_of(const TradeResults& results, const HeldOutChoice& choice) {
+  Value value = {{"asked", choice.is_budget ? "within " + time_text(choice.asked)
+                                            : "error " + mm_text(choice.asked)},
+                 {"method", choice.chosen ? choice.chosen->method : ""}};
+  if (!choice.chosen) return value;
+  const TradeRow& row = results.rows[choice.row];
+  value.update({{"id", row_id(choice.row)},
+                {"expected_time", time_text(choice.chosen->solve_s)},
+                {"expected_error", mm_text(choice.chosen->error_mm)},
+                {"failure", choice.is_ok ? "" : row.status + ": " + row.reason},
+                {"time", time_text(row.solve_s.median)},
+                {"error", mm_text(row.p95_mm)},
+                {"time_ratio", short_number(choice.time_ratio)},
+                {"error_ratio", short_number(choice.error_ratio)},
+                {"is_kept", choice.is_kept}});
+  return value;
+}
+
+/// What choices from the other loads did on the one that is held out.
+Value held_out_of(const TradeResults& results) {
+  const std::vector<HeldOutChoice> choices = check_held_out(results.rows, results.floor_mm());
+  Value value = {{"summary", summary_of(choices)}, {"floor", mm_text(results.floor_mm())}};
+  Value& lines = value["choices"] = Value::list();
+  for (const HeldOutChoice& choice : choices) lines.push_back(choice_of(results, choice));
+  return value;
+}
+
+/// Values of the template for one diagram of a scene with its tables: of solving, or of drawing.
+class PartOfPage {
  public:
-  PageOfCurves(const TradeResults& results, const TradeScene& scene, bool are_drawings)
+  PartOfPage(const TradeResults& results, const TradeScene& scene, bool are_drawings)
       : m_results(results), m_scene(scene), m_curves(curves_of(results, scene, are_drawings)) {}
 
-  std::string draw() {
-    if (m_curves.are_drawings) {
-      draw_of_drawings();
-    } else {
-      draw_of_solving();
+  Value all() const {
+    const TradeRow& reference = m_results.rows[m_curves.reference];
+    Value part = {{"reference_id", row_id(m_curves.reference)},
+                  {"reference", reference.name()},
+                  {"floor", short_number(m_curves.floor)},
+                  {"chart", to_svg(chart_of(m_results, m_curves))},
+                  {"pictures", pictures()},
+                  {"tables", m_scene.is_held_out ? Value::list() : tables()},
+                  {"heads", heads()}};
+    if (!m_curves.are_drawings) {
+      part["solving"] = {
+          {"volume", m_scene.volume},
+          {"moved", reference.moved},
+          {"is_halved", m_scene.size_error_mm == m_curves.floor},
+          {"size_error", m_scene.size_error_mm > 0 ? short_number(m_scene.size_error_mm) : ""},
+          {"reference_warning", reference.warning}};
+      if (m_scene.is_held_out) part["held_out"] = held_out_of(m_results);
     }
-    draw_rows();
-    return std::move(m_html);
+    Value& rows = part["rows"] = Value::list();
+    for (const std::size_t r : m_curves.rows) rows.push_back(row(r));
+    return part;
   }
 
  private:
-  const TradeRow& reference() const { return m_results.rows[m_curves.reference]; }
-  std::string link_to_reference() const {
-    return "<a href=\"#" + row_id(m_curves.reference) + "\"><code>" +
-           html_text(reference().name()) + "</code></a>";
-  }
-
-  void draw_of_solving() {
-    tell_reference_state();
-    draw_chart();
-    if (m_scene.is_held_out) {
-      m_html += held_out_part(m_results);
-      return;
-    }
-    const auto mm = [](double value) { return short_number(value) + " mm"; };
-    draw_matched("Time of solving to an error (p95)", kErrors_mm, mm, time_text, time_to_error);
-    draw_matched("Error (p95) within a time of solving", kTimes_s, time_text, mm,
-                 error_within_time);
-  }
-
-  void draw_of_drawings() {
-    tell_reference_picture();
-    draw_chart();
-    if (m_scene.is_held_out) return;
-    const auto ssim = [](double value) { return "SSIM " + short_number(1 - value); };
-    draw_matched("Time of inverse and rendering to a likeness", kErrorsOfPictures, ssim, time_text,
-                 time_to_error);
-    draw_matched("Likeness within a time of inverse and rendering", kTimes_s, time_text, ssim,
-                 error_within_time);
-  }
-
-  void draw_chart() {
-    m_html += "<div class=\"wide\">" + to_svg(chart_of(m_results, m_curves)) + "</div>\n" +
-              gallery_of(m_results, m_curves);
-  }
-
-  void tell_reference_state() {
-    const TradeRow& row = reference();
-    m_html += "<p>Volume <code>" + html_text(m_scene.volume) +
-              "</code>. Errors are distances in mm to the reference, " + link_to_reference() +
-              ": linear finite elements on the same voxels, over the " + std::to_string(row.moved) +
-              " elements that it moves by more than 1&#8239;% of the largest move. Below " +
-              short_number(m_curves.floor) + " mm nothing can be told apart: " + floor_text() +
-              " How far linear theory is from large moves it does not say. Passes of relaxation "
-              "lower the energy of the links' springs, "
-              "which is not that of the reference: with many of them the error ends where both "
-              "models differ, and may rise on the way there.";
-    if (!row.warning.empty()) {
-      m_html += " The reference warned: <em>" + html_text(row.warning) + "</em>.";
-    }
-    m_html += "</p>\n";
-  }
-
-  std::string floor_text() const {
-    if (m_scene.size_error_mm == m_curves.floor) {
-      return "by so much the reference is from the limit of smaller elements, estimated by "
-             "Richardson's rule from elements of half a voxel and the order 1 that edges of "
-             "handles and staircases have.";
-    }
-    return std::string(
-               "by so much the reference differs from itself solved less tightly, or "
-               "places are rounded when they are stored.") +
-           (m_scene.size_error_mm > 0
-                ? " The size of its elements adds " + short_number(m_scene.size_error_mm) + " mm."
-                : " This floor is that of the solver alone: smaller elements were not measured.");
-  }
-
-  void tell_reference_picture() {
-    m_html +=
-        "<h3>Drawing</h3>\n<p>The first view in space, of the body as the fastest method "
-        "leaves it, compared with " +
-        link_to_reference() +
-        ": every sample solves for its source. SSIM and RMSE are over pixels that are not "
-        "empty in at least one picture. Below a difference of " +
-        short_number(m_curves.floor) +
-        " nothing can be told apart: by so much the reference differs from itself with twice "
-        "the step. Cubic samples and pre-integration draw another picture on purpose; "
-        "theirs is a difference, not an error.</p>\n";
-  }
-
-  std::string cell(const std::optional<CurveValue>& value, const std::string& text,
-                   bool is_best) const {
-    if (!value) return "<td>&#8211;</td>";
-    std::string html = std::string("<td") + (is_best ? " class=\"best\"" : "") + "><a href=\"#" +
-                       row_id(value->row_b) + "\">" + text + "</a>";
-    if (value->row_a != value->row_b) {
-      html += " <a href=\"#" + row_id(value->row_a) + "\">~</a>";
-    }
-    return html + "</td>";
-  }
-
   template <class Head, class Text, class Read>
-  void draw_matched(const std::string& title, const std::vector<double>& values, const Head& head,
-                    const Text& text, const Read& read) {
-    m_html += "<h3>" + title + "</h3>\n<div class=\"wide\"><table><tr><th>method</th>";
-    for (const double value : values) m_html += "<th>" + head(value) + "</th>";
-    m_html += "</tr>\n";
+  Value table(const std::string& title, const std::vector<double>& values, const Head& head,
+              const Text& text, const Read& read) const {
+    std::vector<std::string> heads;
     std::vector<double> best(values.size(), 1e300);
-    for (const MethodCurve& curve : m_curves.methods) {
-      for (std::size_t n = 0; n < values.size(); ++n) {
+    for (std::size_t n = 0; n < values.size(); ++n) {
+      heads.push_back(head(values[n]));
+      for (const MethodCurve& curve : m_curves.methods) {
         const auto found = read(curve.points, values[n], m_curves.floor);
         if (found) best[n] = std::min(best[n], found->value);
       }
     }
+    Value lines = Value::list();
     for (const MethodCurve& curve : m_curves.methods) {
-      m_html += "<tr><td>" + html_text(curve.title) + "</td>";
+      Value& cells = lines.push_back({{"title", curve.title}})["cells"] = Value::list();
       for (std::size_t n = 0; n < values.size(); ++n) {
         const auto found = read(curve.points, values[n], m_curves.floor);
-        m_html += cell(found, found ? text(found->value) : "", found && found->value <= best[n]);
+        Value& cell = cells.push_back(Value::table());
+        if (!found) continue;
+        const bool is_between = found->row_a != found->row_b;
+        cell = {{"id", row_id(found->row_b)},
+                {"other_id", is_between ? row_id(found->row_a) : ""},
+                {"text", text(found->value)},
+                {"is_best", found->value <= best[n]}};
       }
-      m_html += "</tr>\n";
     }
-    m_html +=
-        "</table></div>\n<p>&#8211;: not reached. ~: on the line between the row that the number "
-        "leads "
-        "to and the one that ~ does. Bold: the best of a column.</p>\n";
+    return {{"title", title}, {"heads", heads}, {"lines", lines}};
+  }
+
+  Value tables() const {
+    Value both = Value::list();
+    if (m_curves.are_drawings) {
+      both.push_back(table("Time of inverse and rendering to a likeness", kErrorsOfPictures,
+                           ssim_text, time_text, time_to_error));
+      both.push_back(table("Likeness within a time of inverse and rendering", kTimes_s, time_text,
+                           ssim_text, error_within_time));
+    } else {
+      both.push_back(table("Time of solving to an error (p95)", kErrors_mm, mm_text, time_text,
+                           time_to_error));
+      both.push_back(table("Error (p95) within a time of solving", kTimes_s, time_text, mm_text,
+                           error_within_time));
+    }
+    return both;
   }
 
   /// Columns of rows that are ok, beside row, setting and notes.
@@ -176,58 +185,85 @@ class PageOfCurves {
             short_number(row.energy_uj)};
   }
 
-  void draw_rows() {
-    m_html += "<h3>All rows</h3>\n<div class=\"wide\"><table><tr><th>row</th><th>setting</th>";
-    for (const std::string& head : heads()) m_html += "<th>" + head + "</th>";
-    m_html += "<th></th></tr>\n";
-    for (const std::size_t r : m_curves.rows) draw_row(r);
-    m_html += "</table></div>\n";
+  Value row(std::size_t r) const {
+    const TradeRow& row = m_results.rows[r];
+    return {{"id", row_id(r)},
+            {"line", r + 2},
+            {"command", row.command},
+            {"name", row.name()},
+            {"failure", row.is_ok() ? "" : row.status + ": " + row.reason},
+            {"columns", heads().size() + 1},
+            {"cells", cells(row)},
+            {"alike", m_curves.alike_text(r)},
+            {"warning", row.warning}};
   }
 
-  void draw_row(std::size_t r) {
+  void add_figure(Value& figures, std::size_t r) const {
     const TradeRow& row = m_results.rows[r];
-    m_html += "<tr id=\"" + row_id(r) + "\"><td>" + std::to_string(r + 2) +
-              "</td><td class=\"text\"><code title=\"" + html_text(row.command) + "\">" +
-              html_text(row.name()) + "</code></td>";
-    if (!row.is_ok()) {
-      m_html += "<td class=\"note\" colspan=\"" + std::to_string(heads().size() + 1) + "\">" +
-                row.status + ": " + html_text(row.reason) + "</td></tr>\n";
-      return;
+    const std::optional<Image> image = row.is_ok() ? thumbnail_of(row.picture) : std::nullopt;
+    if (!image) return;
+    const std::string error = row.is_drawing() ? ssim_text(row.error()) : mm_text(row.p95_mm);
+    const bool is_reference = r == m_curves.reference;
+    const std::vector<std::uint8_t> jpeg = jpeg_of(*image);
+    figures.push_back(
+        {{"id", row_id(r)},
+         {"width", image->width},
+         {"height", image->height},
+         {"command", row.command},
+         {"name", row.name()},
+         {"jpeg", base64_of({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()})},
+         {"caption",
+          is_reference ? "the reference" : time_text(row.time_s().median) + ", " + error}});
+  }
+
+  /// Figures of all rows that left a picture: the reference and the front, then the others, folded.
+  Value pictures() const {
+    Value first = Value::list(), rest = Value::list();
+    add_figure(first, m_curves.reference);
+    for (const TradePoint& point : m_curves.front) add_figure(first, point.row);
+    for (const std::size_t r : m_curves.rows) {
+      const bool is_of_front = std::any_of(m_curves.front.begin(), m_curves.front.end(),
+                                           [&](const TradePoint& point) { return point.row == r; });
+      if (r != m_curves.reference && !is_of_front) add_figure(rest, r);
     }
-    for (const std::string& text : cells(row)) m_html += "<td>" + text + "</td>";
-    m_html += "<td class=\"note\">" + html_text(m_curves.alike_text(r));
-    if (!row.warning.empty())
-      m_html += " <span title=\"" + html_text(row.warning) + "\">warned</span>";
-    m_html += "</td></tr>\n";
+    if (first.empty() && rest.empty()) return nullptr;
+    Value groups = Value::list();
+    groups.push_back({{"is_folded", false}, {"figures", first}});
+    if (!rest.empty()) groups.push_back({{"is_folded", true}, {"figures", rest}});
+    return {{"groups", groups}, {"is_there", true}};
   }
 
   const TradeResults& m_results;
   const TradeScene& m_scene;
   SceneCurves m_curves;
-  std::string m_html;
 };
 
 }  // namespace
 
 std::string trade_page(const TradeResults& results) {
-  std::string html =
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-      "<title>Time against error</title>\n" +
-      std::string(kStyle) + kChartStyle + "</head><body>\n<h1>Time against error</h1>\n";
-  if (!results.rows.empty()) {
-    html +=
-        "<p>supple " + html_text(results.rows.front().version) + "; " + html_text(results.machine) +
-        ". Times are medians, with the least and the most of all runs; each run is a process of "
-        "its own, whose files the system may have kept in memory from an earlier one. Numbers "
-        "come from <code>runs.csv</code> beside this page; a row is named by its line there. The "
-        "pointer over a mark shows its command, and a click leads to its row.</p>\n";
-  }
+  Value page = {{"chart_style", kChartStyle},
+                {"machine", results.machine},
+                {"version", results.rows.empty() ? "" : results.rows.front().version}};
+  Value& scenes = page["scenes"] = Value::list();
   for (const TradeScene& scene : results.scenes) {
-    html += "<h2>" + html_text(scene.file) + "</h2>\n" + PageOfCurves(results, scene, false).draw();
-    if (scene.has_drawings) html += PageOfCurves(results, scene, true).draw();
+    Value& parts = scenes.push_back({{"file", scene.file}, {"parts", Value::list()}})["parts"];
+    parts.push_back(PartOfPage(results, scene, false).all());
+    if (scene.has_drawings) parts.push_back(PartOfPage(results, scene, true).all());
   }
-  return html + "<div id=\"shown\"></div>\n" + kScript + "</body></html>\n";
+  return filled(kPageTemplate, page);
+}
+
+std::vector<ChartFile> chart_files(const TradeResults& results) {
+  std::vector<ChartFile> files;
+  const auto add = [&](const TradeScene& scene, const char* name, bool are_drawings) {
+    const SceneCurves curves = curves_of(results, scene, are_drawings);
+    files.push_back({name + scene.name + ".svg", to_svg_file(chart_of(results, curves))});
+  };
+  for (const TradeScene& scene : results.scenes) {
+    add(scene, "error_time_", false);
+    if (scene.has_drawings) add(scene, "likeness_time_", true);
+  }
+  return files;
 }
 
 }  // namespace supple::tools

@@ -1,8 +1,9 @@
-// The results of a trade-off as files: JSON with curves and tables, and a page that needs no
-// network.
+// The results of a trade-off as files: JSON with curves and tables, a page that needs no network,
+// and its diagrams as files of their own.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -15,5 +16,12 @@ nlohmann::ordered_json to_json(const TradeResults& results);
 
 /// HTML with charts inside: every point and every number of a table leads to its row of the CSV.
 std::string trade_page(const TradeResults& results);
+
+struct ChartFile {
+  std::string name, svg;  // "error_time_SCENE.svg", "likeness_time_SCENE.svg"
+};
+/// Every diagram of the page: time of solving against error and, where there are drawings, time of
+/// drawing against likeness.
+std::vector<ChartFile> chart_files(const TradeResults& results);
 
 }  // namespace supple::tools
