@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "raycast/scene/ray.h"
+#include "raycast/scene/clip.h"
 #include "volumes/grid/brick_index.h"
 
 namespace supple {

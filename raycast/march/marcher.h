@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "raycast/march/light_lanes.h"
-#include "raycast/march/ray_clips.h"
 #include "raycast/march/ray_crossings.h"
 #include "raycast/march/ray_faces.h"
 #include "raycast/march/render_context.h"

@@ -1,14 +1,27 @@
-// The crossings of a ray with meshes, one after another.
+// What a ray meets beside tissue: the parts that clips of the deformed space leave, and its
+// crossings with meshes, one after another.
 #pragma once
 
 #include <cstddef>
 #include <limits>
 #include <vector>
 
-#include "raycast/march/ray_clips.h"
 #include "raycast/march/surface_scene.h"
+#include "raycast/scene/clip.h"
 
 namespace supple {
+
+class RayClips {
+ public:
+  void begin_ray(const std::vector<IndexClip>& clips, const IndexRay& ray);
+  /// The interval outside of which everything is clipped; parts of it may be clipped, too.
+  const Interval& kept() const { return m_kept; }
+  bool is_clipped(double t) const;
+
+ private:
+  Interval m_kept{};
+  std::vector<Interval> m_removed;
+};
 
 class RayCrossings {
  public:

@@ -10,7 +10,6 @@
 #include <png.h>
 
 #include "raycast/pictures/float_image.h"
-#include "raycast/pictures/png_bytes.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"

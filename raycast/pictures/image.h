@@ -27,4 +27,9 @@ void write_png(const AtomicFile& target, const Image& image, const std::string& 
 /// Grey, RGB and palette images are expanded. Throws InputError.
 Image read_png(const std::string& path);
 
+// A PNG in memory, for who sends it on.
+
+/// The bytes that write_png() writes, at a level of compression from 0 to 9. Throws SystemError.
+std::vector<std::uint8_t> png_bytes(const Image& image, int level);
+
 }  // namespace supple

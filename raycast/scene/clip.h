@@ -1,15 +1,34 @@
 // Leaving out parts of a picture. A region is convex, an intersection of half-spaces; a clip keeps
 // its inside or its outside. In the deformed space it cuts the picture, whatever tissue lies there;
-// in the source space it cuts the tissue, and the cut moves along with it.
+// in the source space it cuts the tissue, and the cut moves along with it. Rays in index space are
+// here, too.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
-#include "raycast/scene/ray.h"
+#include "volumes/base/vec.h"
 #include "volumes/geometry/geometry.h"
 
 namespace supple {
+
+/// A ray in index space: origin + t * direction, t in mm.
+struct IndexRay {
+  Vec3d origin;
+  Vec3d direction;
+  Vec3d at(double t) const { return origin + direction * t; }
+};
+
+/// The end of a ray that nothing ends.
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+struct Interval {
+  double begin, end;
+};
+
+/// Part of the ray's [begin, end] inside the box lo … hi; empty (begin > end) when it misses.
+Interval clip_to_box(const IndexRay& ray, const Vec3d& lo, const Vec3d& hi, Interval within);
 
 /// Inside where (x - point) . normal >= 0; LPS mm, any length of the normal but 0.
 struct HalfSpace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "raycast/motion.h"
-#include "raycast/scene/camera_path.h"
+#include "raycast/scene/camera.h"
 #include "raycast/scene/framing.h"
 #include "tests/raycast/scenes.h"
 

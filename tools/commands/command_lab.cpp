@@ -2,8 +2,8 @@
 #include <cstdio>
 
 #include "tools/console/command.h"
-#include "tools/console/people_text.h"
-#include "tools/console/program_version.h"
+#include "tools/console/program.h"
+#include "tools/console/result_lines.h"
 #include "tools/lab/options/lab_options.h"
 #include "tools/scene/plan/calibrate.h"
 #include "volumes/base/json.h"

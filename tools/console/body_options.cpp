@@ -2,7 +2,6 @@
 
 #include <map>
 
-#include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
 #include "volumes/base/value.h"
 #include "volumes/io/point_file.h"

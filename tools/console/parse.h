@@ -1,5 +1,5 @@
-// Values of command-line options: lists of numbers, voxels and boxes. All throw UsageError when the
-// text does not parse.
+// Values of command-line options: lists of numbers, voxels and boxes, and the selections of handles
+// and anchors. All throw UsageError when the text does not parse.
 #pragma once
 
 #include <cstdint>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volumes/base/text.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -26,5 +27,22 @@ std::optional<std::string> parse_label(const std::string& option, const std::str
 /// True if a material is a preset, not a file. Throws InputError with the nearest name where it is
 /// neither.
 bool is_tissue_preset(const std::string& option, const std::string& text);
+
+struct GrabText {
+  Value keys;                 // of the table of a scene
+  bool is_plain_box = false;  // a voxel or a box of voxels
+  bool moves_itself = false;  // a table with a motion, or points with displacements
+};
+
+/// A place: "I,J,K" in voxels, "lps:X,Y,Z" or "ras:X,Y,Z" in mm.
+struct PlaceText {
+  std::string frame;  // as in a scene
+  Value numbers;
+};
+PlaceText parse_place(const std::string& option, const std::string& text);
+
+/// A voxel or box "I,J,K[:I,J,K]", "lps:X,Y,Z", "ras:X,Y,Z", "ball:PLACE:RADIUS", "density:LO:HI",
+/// "piece:PLACE", "rigid:PLACE", "label:N", a file of points, or a table as in a scene.
+GrabText parse_grab(const std::string& option, const std::string& text);
 
 }  // namespace supple::tools

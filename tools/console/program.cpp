@@ -13,11 +13,11 @@
 
 #include "tools/console/build_facts.h"
 #include "tools/console/help.h"
-#include "tools/console/program_version.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/parallel.h"
 #include "volumes/base/process.h"
 #include "volumes/base/signals.h"
+#include "volumes/base/version.h"
 
 namespace supple::tools {
 
@@ -195,6 +195,10 @@ int run_program(int argc, char** argv, const ProgramParts& parts) {
     std::fprintf(stderr, "supple: error: %s\n", error.what());
     return kFailure;
   }
+}
+
+std::string program_version() {
+  return std::string(kVersion) + ", commit " + kCommit;
 }
 
 }  // namespace supple::tools

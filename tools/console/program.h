@@ -1,4 +1,4 @@
-// The main function of a program with subcommands.
+// The main function of a program with subcommands, and which program it is.
 #pragma once
 
 #include <string>
@@ -16,5 +16,8 @@ struct ProgramParts {
 
 /// Parses the command line, runs one subcommand and turns errors into exit codes.
 int run_program(int argc, char** argv, const ProgramParts& parts);
+
+/// "1.2.3, commit abc".
+std::string program_version();
 
 }  // namespace supple::tools

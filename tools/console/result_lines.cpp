@@ -48,4 +48,17 @@ void print_dense_report(const std::string& path, const Geometry& grid, std::int6
   std::printf("%s\n", json_text(json, 2).c_str());
 }
 
+std::string people_text(const Value& value) {
+  if (value.is_text()) return value.text();
+  if (value.is_number() && !value.is_whole()) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value.number());
+    return text;
+  }
+  if (!value.is_list()) return json_text(value);
+  std::string list;
+  for (const Value& part : value.items()) list += (list.empty() ? "" : ", ") + people_text(part);
+  return "[" + list + "]";
+}
+
 }  // namespace supple::tools

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "raycast/pictures/png_bytes.h"
+#include "raycast/pictures/image.h"
 
 namespace supple::tools {
 

@@ -12,7 +12,6 @@
 #include "tests/support/errors.h"
 #include "tests/support/program.h"
 #include "tools/lab/tradeoff/trade_curves.h"
-#include "tools/lab/tradeoff/trade_tables.h"
 #include "tools/scene/choice/method_choice.h"
 #include "tools/scene/choice/run_phases.h"
 #include "tools/scene/choice/shipped_choices.h"

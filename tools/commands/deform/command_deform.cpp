@@ -6,7 +6,6 @@
 #include "tools/console/command.h"
 #include "tools/console/dry_run.h"
 #include "tools/console/field_options.h"
-#include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
 #include "tools/console/result_lines.h"
 #include "tools/scene/plan/memory_need.h"

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "lib/state/state.h"
-#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
+#include "tools/console/console.h"
 #include "tools/console/dry_run.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/choice/chosen_method.h"

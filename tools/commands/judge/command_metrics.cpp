@@ -6,7 +6,7 @@
 #include "lib/state/state_outputs.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/console/people_text.h"
+#include "tools/console/result_lines.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/json.h"
 #include "volumes/field/dense/invert_warp.h"

@@ -7,7 +7,7 @@
 #include "lib/state/state_source.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/console/people_text.h"
+#include "tools/console/result_lines.h"
 #include "tools/scene/plan/scene_plan.h"
 #include "tools/scene/run/reports.h"
 #include "volumes/base/json.h"

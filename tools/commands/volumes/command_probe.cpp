@@ -7,7 +7,6 @@
 #include "lib/session/session.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
-#include "tools/console/grab_text.h"
 #include "tools/console/parse.h"
 #include "tools/scene/run/reports.h"
 #include "volumes/base/error.h"

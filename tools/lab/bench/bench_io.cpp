@@ -10,7 +10,7 @@
 #include "tools/console/command.h"
 #include "tools/lab/bench/bodies/invert_fields.h"
 #include "tools/lab/bench/report/memory.h"
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
 #include "tools/scene/peers/peer_process.h"
 #include "volumes/base/parallel.h"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "tools/console/console.h"
-#include "tools/lab/stress/measured_value.h"
 #include "tools/lab/stress/stress_input.h"
+#include "tools/lab/stress/stress_verdict.h"
 
 namespace supple::tools {
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tools/console/console.h"
-#include "tools/lab/stress/measured_value.h"
 #include "tools/lab/stress/stress_cells.h"
+#include "tools/lab/stress/stress_verdict.h"
 #include "volumes/base/process.h"
 
 namespace supple::tools {

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/console/program_version.h"
+#include "tools/console/program.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/lab/tradeoff/trade_tables.h"
+#include "tools/lab/tradeoff/trade_curves.h"
 
 namespace supple::tools {
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "raycast/pictures/compare.h"
-#include "tools/console/program_version.h"
+#include "tools/console/program.h"
 #include "tools/scene/choice/run_phases.h"
 #include "tools/scene/run/element_volumes.h"
 #include "volumes/base/process.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tools/lab/tradeoff/scene_measurement.h"
-#include "tools/lab/tradeoff/trade_tables.h"
+#include "tools/lab/tradeoff/trade_curves.h"
 
 namespace supple::tools {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raycast/scene/ray.h"
+#include "raycast/scene/clip.h"
 
 namespace supple::tools {
 

@@ -1,7 +1,7 @@
 #include "tools/scene/run/frames.h"
 
 #include "raycast/motion.h"
-#include "raycast/scene/camera_path.h"
+#include "raycast/scene/camera.h"
 #include "raycast/scene/framing.h"
 #include "raycast/scene/stereo.h"
 #include "tools/scene/run/overlay_paint.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <thread>
 
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 
 namespace supple::tools {
 

@@ -6,12 +6,12 @@
 #include <thread>
 
 #include "lib/fem/voxel/hex_operator.h"
-#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
+#include "tools/console/console.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/fem_problems.h"
 #include "tools/lab/bench/report/memory.h"
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/parallel.h"
 

@@ -8,10 +8,10 @@
 #include "lib/material/material_file.h"
 #include "lib/model/fem_model.h"
 #include "lib/model/relax_model.h"
-#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
+#include "tools/console/console.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/error.h"
 

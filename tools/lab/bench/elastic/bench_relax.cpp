@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <iterator>
 
-#include "tools/console/cancel_only.h"
 #include "tools/console/command.h"
+#include "tools/console/console.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/relax_cases.h"
 #include "volumes/base/parallel.h"

@@ -7,7 +7,7 @@
 #include "lib/springs/xpbd.h"
 #include "tools/console/command.h"
 #include "tools/lab/bench/elastic/springs_membrane.h"
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/error.h"
 

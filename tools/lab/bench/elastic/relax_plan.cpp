@@ -4,7 +4,7 @@
 #include <thread>
 #include <utility>
 
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 
 namespace supple::tools {
 

@@ -8,7 +8,7 @@
 #include "tools/lab/bench/invert/invert_tets.h"
 #include "tools/lab/bench/invert/invert_update.h"
 #include "tools/lab/bench/peers/invert_peers.h"
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/parallel.h"
 #include "volumes/field/inversion/invert.h"

@@ -1,6 +1,6 @@
 #include "tools/lab/bench/invert/invert_update.h"
 
-#include "tools/console/cancel_only.h"
+#include "tools/console/console.h"
 #include "tools/lab/bench/bodies/dragged_head.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/parallel.h"

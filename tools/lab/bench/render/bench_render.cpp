@@ -13,7 +13,7 @@
 #include "tools/lab/bench/render/render_show.h"
 #include "tools/lab/bench/render/render_update.h"
 #include "tools/lab/bench/render/render_vtk.h"
-#include "tools/lab/bench/report/row_filter.h"
+#include "tools/lab/bench/report/report.h"
 
 namespace supple::tools {
 

@@ -4,7 +4,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "raycast/render.h"
-#include "tools/console/cancel_only.h"
+#include "tools/console/console.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/dragged_head.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"

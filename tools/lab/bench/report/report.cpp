@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <fstream>
 
+#include <fnmatch.h>
+
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/version.h"
@@ -135,6 +137,12 @@ void write_json(const std::string& path, const BenchReport& report) {
   if (!stream) throw SystemError(path + ": cannot write");
   stream.close();
   file.commit();
+}
+
+bool is_wanted_row(const std::vector<std::string>& only, const std::string& name) {
+  return only.empty() || std::any_of(only.begin(), only.end(), [&](const std::string& pattern) {
+           return ::fnmatch(("*" + pattern + "*").c_str(), name.c_str(), 0) == 0;
+         });
 }
 
 }  // namespace supple::tools
