@@ -1,5 +1,5 @@
-#include "tools/lab/bench/bench_io.h"
-
+// `supple bench io`: how fast files become sparse grids and volumes become files, beside the time
+// that the system needs for the bytes alone (design.md section 9).
 #include <algorithm>
 #include <filesystem>
 #include <thread>
@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "tools/console/command.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/invert_fields.h"
 #include "tools/lab/bench/report/memory.h"
 #include "tools/lab/bench/report/report.h"
@@ -36,7 +37,7 @@ struct IoRow {
   std::string name() const { return op + "/" + format + "/" + std::to_string(size); }
 };
 
-std::vector<IoRow> plan_io(const IoBenchOptions& options) {
+std::vector<IoRow> plan_io(const BenchOptions& options) {
   std::vector<IoRow> plan = {{"read", "nrrd", 512}, {"read-cold", "nrrd", 512}};
   const int size = options.quick ? 128 : 256;
   for (const char* format : {"nrrd", "mha", "nii", "nii.gz", "tif", "h5", "vdb"}) {
@@ -205,13 +206,13 @@ BenchRow measure_export(const IoRow& row, const ScratchFolder& folder, const Rou
 
 }  // namespace
 
-std::vector<std::string> io_row_names(const IoBenchOptions& options) {
+std::vector<std::string> io_row_names(const BenchOptions& options, Console&) {
   std::vector<std::string> names;
   for (const IoRow& row : plan_io(options)) names.push_back(row.name());
   return names;
 }
 
-BenchReport bench_io(const IoBenchOptions& options, Console& console) {
+BenchReport bench_io(const BenchOptions& options, Console& console) {
   const std::vector<IoRow> plan = plan_io(options);
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));

@@ -1,7 +1,6 @@
-// The benchmarks by name, behind the options that they share.
+// The benchmarks by name.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,11 +11,34 @@
 namespace supple::tools {
 
 struct Bench {
-  std::function<std::vector<std::string>()> row_names;
-  std::function<BenchReport()> measure;
+  const char* name;
+  /// Names of the rows that the options choose, in order, without measuring any. Throws UsageError
+  /// when `only` leaves none.
+  std::vector<std::string> (*row_names)(const BenchOptions& options, Console& console);
+  /// Throws UsageError when `only` leaves no row, Cancelled, and Error where sides disagree.
+  BenchReport (*measure)(const BenchOptions& options, Console& console);
 };
 
-/// A build with SUPPLE_BENCH=OFF (no_benches.cpp) throws UsageError.
-Bench bench_of(const BenchOptions& options, int threads, Console& console);
+/// The benchmark of a name. A build with SUPPLE_BENCH=OFF (no_benches.cpp) throws UsageError.
+const Bench& bench_named(const std::string& name);
+
+std::vector<std::string> ecm_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_ecm(const BenchOptions& options, Console& console);
+std::vector<std::string> economy_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_economy(const BenchOptions& options, Console& console);
+std::vector<std::string> fem_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_fem(const BenchOptions& options, Console& console);
+std::vector<std::string> fit_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_fit(const BenchOptions& options, Console& console);
+std::vector<std::string> invert_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_invert(const BenchOptions& options, Console& console);
+std::vector<std::string> io_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_io(const BenchOptions& options, Console& console);
+std::vector<std::string> relax_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_relax(const BenchOptions& options, Console& console);
+std::vector<std::string> render_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_render(const BenchOptions& options, Console& console);
+std::vector<std::string> springs_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_springs(const BenchOptions& options, Console& console);
 
 }  // namespace supple::tools

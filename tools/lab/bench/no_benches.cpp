@@ -4,8 +4,8 @@
 
 namespace supple::tools {
 
-Bench bench_of(const BenchOptions& options, int, Console&) {
-  throw UsageError("bench " + options.name +
+const Bench& bench_named(const std::string& name) {
+  throw UsageError("bench " + name +
                    ": this program was built without benchmarks (-DSUPPLE_BENCH=ON adds them)");
 }
 

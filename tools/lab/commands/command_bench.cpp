@@ -13,15 +13,18 @@ int run_bench(const BenchCommand& command, const GlobalOptions& global, Console&
   if (command.list && (command.markdown || !command.output.empty())) {
     throw UsageError("--list: found beside --json or --markdown, expected one of them");
   }
-  const Bench bench = bench_of(command.bench, global.threads, console);
+  BenchOptions options = command.bench;
+  options.threads = global.threads;
+  const Bench& bench = bench_named(options.name);
   if (command.list) {
-    for (const std::string& name : bench.row_names()) std::printf("%s\n", name.c_str());
+    for (const std::string& name : bench.row_names(options, console))
+      std::printf("%s\n", name.c_str());
     return kOk;
   }
   OutputPlan plan(global.force);
   if (!command.output.empty()) plan.add_report(command.output);
   console.claim(plan.files());
-  const BenchReport report = bench.measure();
+  const BenchReport report = bench.measure(options, console);
   if (!command.output.empty()) write_json(command.output, report);
   if (global.json) {
     std::printf("%s\n", to_json(report).dump(2).c_str());

@@ -15,8 +15,9 @@ namespace supple::tools {
 struct BenchOptions {
   std::string name;
   bool quick = false;
+  int threads = 0;  // of rows with several; 0: two, one on a single core
   std::vector<std::string> only;
-  std::string ct_head;
+  std::string ct_head;  // a volume; empty: build/data/ct_head.nhdr where that exists
 };
 
 struct BenchCommand {

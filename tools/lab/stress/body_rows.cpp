@@ -1,9 +1,8 @@
-#include "tools/lab/stress/body_rows.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "lib/springs/stability.h"
+#include "tools/lab/stress/stress_rows.h"
 #include "tools/scene/run/scene_run.h"
 
 #ifdef SUPPLE_HAS_REFERENCE

@@ -1,5 +1,3 @@
-#include "tools/lab/stress/bone_rows.h"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -10,6 +8,7 @@
 #include "lib/material/presets.h"
 #include "lib/session/handles/rigid_drag.h"
 #include "lib/session/session.h"
+#include "tools/lab/stress/stress_rows.h"
 
 namespace supple::tools {
 

@@ -1,9 +1,8 @@
-#include "tools/lab/stress/live_rows.h"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
+#include "tools/lab/stress/stress_rows.h"
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/replay.h"
 #include "volumes/base/files.h"

@@ -1,8 +1,7 @@
-#include "tools/lab/stress/picture_rows.h"
-
 #include <algorithm>
 #include <cmath>
 
+#include "tools/lab/stress/stress_rows.h"
 #include "tools/scene/run/scene_run.h"
 
 namespace supple::tools {

@@ -1,9 +1,6 @@
 #include "tools/lab/stress/stress_models.h"
 
-#include "tools/lab/stress/body_rows.h"
-#include "tools/lab/stress/bone_rows.h"
-#include "tools/lab/stress/live_rows.h"
-#include "tools/lab/stress/picture_rows.h"
+#include "tools/lab/stress/stress_rows.h"
 
 namespace supple::tools {
 

@@ -1,11 +1,12 @@
-#include "tools/lab/bench/ecm/bench_ecm.h"
-
+// `supple bench ecm`: the thesis' multiset algorithm, a bucket-queue Dijkstra and the engine, on
+// the workloads of design.md section 9.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 
 #include "tools/console/command.h"
 #include "tools/console/console.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/ecm/ecm_cases.h"
 #include "tools/lab/bench/report/memory.h"
@@ -68,8 +69,7 @@ class Bodies {
   std::unique_ptr<MeasuredBody> m_body;
 };
 
-std::vector<EcmWorkload> checked_workloads(const EcmBenchOptions& options,
-                                           const std::string& head) {
+std::vector<EcmWorkload> checked_workloads(const BenchOptions& options, const std::string& head) {
   EcmPlanOptions plan_options;
   plan_options.quick = options.quick;
   plan_options.threads = options.threads;
@@ -86,7 +86,7 @@ std::vector<EcmWorkload> checked_workloads(const EcmBenchOptions& options,
 
 }  // namespace
 
-std::vector<std::string> ecm_row_names(const EcmBenchOptions& options, Console& console) {
+std::vector<std::string> ecm_row_names(const BenchOptions& options, Console& console) {
   std::vector<std::string> names;
   for (const EcmWorkload& workload :
        checked_workloads(options, head_file(options.ct_head, options.only.empty(), console))) {
@@ -95,7 +95,7 @@ std::vector<std::string> ecm_row_names(const EcmBenchOptions& options, Console& 
   return names;
 }
 
-BenchReport bench_ecm(const EcmBenchOptions& options, Console& console) {
+BenchReport bench_ecm(const BenchOptions& options, Console& console) {
   const std::string head = head_file(options.ct_head, options.only.empty(), console);
   std::vector<EcmWorkload> plan = checked_workloads(options, head);
   BenchReport result{"ecm", measure_machine(), {}};

@@ -1,10 +1,9 @@
-#include "tools/lab/bench/ecm/ecm_ball.h"
-
 #include <algorithm>
 
 #include "lib/body/lattice.h"
 #include "lib/chainmail/ball_limits.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"
+#include "tools/lab/bench/ecm/ecm_cases.h"
 #include "volumes/base/parallel.h"
 
 namespace supple::tools {

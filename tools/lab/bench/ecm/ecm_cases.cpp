@@ -2,10 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/lab/bench/ecm/ecm_ball.h"
-#include "tools/lab/bench/ecm/ecm_links.h"
 #include "tools/lab/bench/ecm/ecm_sides.h"
-#include "tools/lab/bench/ecm/ecm_stream.h"
 
 namespace supple::tools {
 

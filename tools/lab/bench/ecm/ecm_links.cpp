@@ -1,8 +1,7 @@
-#include "tools/lab/bench/ecm/ecm_links.h"
-
 #include <memory>
 
 #include "tools/lab/bench/bodies/ecm_motion.h"
+#include "tools/lab/bench/ecm/ecm_cases.h"
 #include "tools/lab/bench/ecm/ecm_sides.h"
 
 namespace supple::tools {

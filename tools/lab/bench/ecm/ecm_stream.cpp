@@ -1,7 +1,6 @@
-#include "tools/lab/bench/ecm/ecm_stream.h"
-
 #include <algorithm>
 
+#include "tools/lab/bench/ecm/ecm_cases.h"
 #include "tools/lab/bench/ecm/ecm_sides.h"
 
 namespace supple::tools {

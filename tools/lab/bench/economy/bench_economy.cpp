@@ -1,5 +1,5 @@
-#include "tools/lab/bench/economy/bench_economy.h"
-
+// `supple bench economy`: what a fixed local drag costs while the volume grows around it
+// (docs/economy.md).
 #include <algorithm>
 #include <optional>
 #include <thread>
@@ -9,6 +9,7 @@
 #include "lib/state/state_outputs.h"
 #include "raycast/render.h"
 #include "tools/console/command.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/report/memory.h"
 #include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
@@ -34,7 +35,7 @@ struct EconomyRow {
   std::string name() const { return around + "/" + std::to_string(size); }
 };
 
-std::vector<EconomyRow> plan_economy(const EconomyBenchOptions& options) {
+std::vector<EconomyRow> plan_economy(const BenchOptions& options) {
   std::vector<EconomyRow> plan;
   for (const char* around : {"air", "tissue"}) {
     for (const int size : {64, 128, 256}) {
@@ -129,13 +130,16 @@ BenchRow measure_economy(const EconomyRow& row, const ScratchFolder& folder) {
 
 }  // namespace
 
-std::vector<std::string> economy_row_names(const EconomyBenchOptions& options) {
+std::vector<std::string> economy_row_names(const BenchOptions& options, Console&) {
   std::vector<std::string> names;
   for (const EconomyRow& row : plan_economy(options)) names.push_back(row.name());
   return names;
 }
 
-BenchReport bench_economy(const EconomyBenchOptions& options, Console& console) {
+/// Rows: a ball of 24 voxels radius whose middle goes by five voxels along j, in a box of 64^3,
+/// 128^3 and 256^3 voxels, of which the rest is air or tissue of the same kind. Throws UsageError
+/// when `only` leaves no row, Cancelled.
+BenchReport bench_economy(const BenchOptions& options, Console& console) {
   const std::vector<EconomyRow> plan = plan_economy(options);
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));

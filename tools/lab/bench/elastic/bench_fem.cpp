@@ -1,5 +1,6 @@
-#include "tools/lab/bench/elastic/bench_fem.h"
-
+// `supple bench fem`: how fast the operator of voxel finite elements is, how long solves take and
+// what memory they need, and how iterations grow with the contrast of stiffness and with Poisson's
+// ratio.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -8,6 +9,7 @@
 #include "lib/fem/voxel/hex_operator.h"
 #include "tools/console/command.h"
 #include "tools/console/console.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/fem_problems.h"
 #include "tools/lab/bench/report/memory.h"
@@ -105,7 +107,7 @@ void plan_iterations(bool quick, int threads, std::vector<FemBenchRow>& plan) {
   for (const double contrast : {1.0, 1e3, 1e6}) add("shell", 64, 0.3, contrast);
 }
 
-std::vector<FemBenchRow> plan_fem(const FemBenchOptions& options, const std::string& head) {
+std::vector<FemBenchRow> plan_fem(const BenchOptions& options, const std::string& head) {
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));
   std::vector<FemBenchRow> plan;
@@ -209,8 +211,8 @@ TimedSolve solve_once(const FemProblem& problem, EquationSolver solver, Progress
   return solve;
 }
 
-BenchRow measure_solve(const FemBenchRow& row, const FemBenchOptions& options,
-                       const std::string& head, Progress& cancel) {
+BenchRow measure_solve(const FemBenchRow& row, const BenchOptions& options, const std::string& head,
+                       Progress& cancel) {
   const FemProblem problem = fem_problem(row.subject, head);
   const bool is_small = problem.body.elements.active_count() < 1000000;
   const int rounds = options.quick || !is_small || row.kind == "iterations" ? 1 : 3;
@@ -263,14 +265,19 @@ bool has_memory_for(const FemBenchRow& row, Console& console) {
 
 }  // namespace
 
-std::vector<std::string> fem_row_names(const FemBenchOptions& options, Console& console) {
+std::vector<std::string> fem_row_names(const BenchOptions& options, Console& console) {
   std::vector<std::string> names;
   const std::string head = head_file(options.ct_head, options.only.empty(), console);
   for (const FemBenchRow& row : plan_fem(options, head)) names.push_back(row.name());
   return names;
 }
 
-BenchReport bench_fem(const FemBenchOptions& options, Console& console) {
+/// Rows by case:
+///   operator    products with the stiffness matrix, one and several threads, both precisions;
+///   solve       bodies of one material and the head, to the tolerances that steps have;
+///   iterations  the same of contrasts and Poisson's ratios; what does not converge is a row, too.
+/// Throws UsageError when `only` leaves no row, Cancelled.
+BenchReport bench_fem(const BenchOptions& options, Console& console) {
   const std::string head = head_file(options.ct_head, options.only.empty(), console);
   const std::vector<FemBenchRow> plan = plan_fem(options, head);
   BenchReport result{"fem", measure_machine(), {}};

@@ -1,11 +1,12 @@
-#include "tools/lab/bench/elastic/bench_relax.h"
-
+// `supple bench relax`: the cost of a pass of relaxation, the limits that it breaks, and the
+// descent of the energy.
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
 
 #include "tools/console/command.h"
 #include "tools/console/console.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/relax_cases.h"
 #include "volumes/base/parallel.h"
@@ -15,7 +16,7 @@ namespace supple::tools {
 namespace {
 
 /// Rows that the options choose. `head`: empty when there is no head CT to measure.
-std::vector<RelaxRow> checked_rows(const RelaxBenchOptions& options, const std::string& head) {
+std::vector<RelaxRow> checked_rows(const BenchOptions& options, const std::string& head) {
   std::vector<RelaxRow> plan =
       plan_relax({options.quick, options.threads, !head.empty(), options.only});
   if (plan.empty()) {
@@ -46,7 +47,7 @@ std::vector<BenchRow> measure(const std::vector<RelaxRow>& rows, const Body& res
 
 }  // namespace
 
-std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Console& console) {
+std::vector<std::string> relax_row_names(const BenchOptions& options, Console& console) {
   std::vector<std::string> names;
   for (const RelaxRow& row :
        checked_rows(options, head_file(options.ct_head, options.only.empty(), console))) {
@@ -55,7 +56,18 @@ std::vector<std::string> relax_row_names(const RelaxBenchOptions& options, Conso
   return names;
 }
 
-BenchReport bench_relax(const RelaxBenchOptions& options, Console& console) {
+/// Rows by case:
+///   cost    ns per node and pass of every method, one and several threads, in turns;
+///   volume  the same along all axes, with conservation of volume and without;
+///   press   the volume of a ball that plates press, under several bulk moduli;
+///   pull    the volume of a bar that is pulled;
+///   tighten both volumes after tightening of limits (lib/chainmail/tighten.h);
+///   states  random dragged states: limits that the passes broke, and passes after which the energy
+///           was higher than before;
+///   descent the energy of every method after a number of passes, and the passes it takes to come
+///           within 1 % of the least energy found.
+/// Throws UsageError when `only` leaves no row, Cancelled.
+BenchReport bench_relax(const BenchOptions& options, Console& console) {
   const std::string head = head_file(options.ct_head, options.only.empty(), console);
   const std::vector<RelaxRow> plan = checked_rows(options, head);
   BenchReport result{"relax", measure_machine(), {}};

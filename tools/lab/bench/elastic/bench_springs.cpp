@@ -1,11 +1,12 @@
-#include "tools/lab/bench/elastic/bench_springs.h"
-
+// `supple bench springs`: the cost of a frame of a membrane, and the course of its energy
+// (design.md sections 6 and 9).
 #include <algorithm>
 #include <cstdio>
 #include <optional>
 
 #include "lib/springs/xpbd.h"
 #include "tools/console/command.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/elastic/springs_membrane.h"
 #include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
@@ -40,7 +41,7 @@ std::string row_name(const SpringsWorkload& workload, const std::string& integra
   return workload.kind + "/" + number_text(workload.stiffness_n_m) + "/" + integrator;
 }
 
-std::vector<SpringsWorkload> plan_springs(const SpringsBenchOptions& options) {
+std::vector<SpringsWorkload> plan_springs(const BenchOptions& options) {
   std::vector<SpringsWorkload> plan;
   for (const std::string kind : {"pluck", "drag", "hold"}) {
     for (const double stiffness : {1.0, 1e2, 1e4, 1e6}) {
@@ -165,7 +166,7 @@ std::vector<BenchRow> measure_workload(const SpringsWorkload& workload, bool qui
 
 }  // namespace
 
-std::vector<std::string> springs_row_names(const SpringsBenchOptions& options) {
+std::vector<std::string> springs_row_names(const BenchOptions& options, Console&) {
   std::vector<std::string> names;
   for (const SpringsWorkload& workload : plan_springs(options)) {
     for (const std::string& name : workload.integrators) {
@@ -175,7 +176,7 @@ std::vector<std::string> springs_row_names(const SpringsBenchOptions& options) {
   return names;
 }
 
-BenchReport bench_springs(const SpringsBenchOptions& options, Console& console) {
+BenchReport bench_springs(const BenchOptions& options, Console& console) {
   const std::vector<SpringsWorkload> plan = plan_springs(options);
   BenchReport result{"springs", measure_machine(), {}};
   for (const SpringsWorkload& workload : plan) {

@@ -1,4 +1,4 @@
-// The cases of `supple bench relax` (described in bench_relax.h). All rows of a call belong to one
+// The cases of `supple bench relax` (described in bench_relax.cpp). All rows of a call belong to one
 // group; `rest` is their body at rest. Throw Cancelled.
 #pragma once
 

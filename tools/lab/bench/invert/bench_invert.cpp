@@ -1,9 +1,10 @@
-#include "tools/lab/bench/invert/bench_invert.h"
-
+// `supple bench invert`: how fast displacements become offset fields, and how exactly (design.md
+// sections 4 and 9).
 #include <algorithm>
 #include <thread>
 
 #include "tools/console/command.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/invert_fields.h"
 #include "tools/lab/bench/invert/invert_tets.h"
 #include "tools/lab/bench/invert/invert_update.h"
@@ -38,7 +39,7 @@ std::string row_name(const InvertWorkload& workload, const InvertSide& side) {
          std::to_string(size.z) + "/" + side.method + "/" + std::to_string(side.threads);
 }
 
-std::vector<InvertWorkload> plan_invert(const InvertBenchOptions& options) {
+std::vector<InvertWorkload> plan_invert(const BenchOptions& options) {
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));
   std::vector<InvertWorkload> plan;
@@ -177,7 +178,7 @@ std::vector<BenchRow> measure_workload(const InvertWorkload& workload, const Rou
 
 }  // namespace
 
-std::vector<std::string> invert_row_names(const InvertBenchOptions& options) {
+std::vector<std::string> invert_row_names(const BenchOptions& options, Console&) {
   std::vector<std::string> names;
   for (const InvertWorkload& workload : plan_invert(options)) {
     for (const InvertSide& side : workload.sides) names.push_back(row_name(workload, side));
@@ -185,7 +186,7 @@ std::vector<std::string> invert_row_names(const InvertBenchOptions& options) {
   return names;
 }
 
-BenchReport bench_invert(const InvertBenchOptions& options, Console& console) {
+BenchReport bench_invert(const BenchOptions& options, Console& console) {
   const std::vector<InvertWorkload> plan = plan_invert(options);
   BenchReport result{"invert", measure_machine(), {}};
   const RoundLimits limits = options.quick ? RoundLimits{3, 10, 1500} : RoundLimits{5, 25, 6000};

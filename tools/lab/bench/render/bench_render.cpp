@@ -1,11 +1,12 @@
-#include "tools/lab/bench/render/bench_render.h"
-
+// `supple bench render`: samples and frames of the free-sampling marcher, beside other libraries'
+// samplers and beside its own straight frame (design.md sections 5 and 9).
 #include <algorithm>
 #include <functional>
 #include <memory>
 #include <thread>
 
 #include "tools/console/command.h"
+#include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/render/render_cut.h"
 #include "tools/lab/bench/render/render_extension.h"
 #include "tools/lab/bench/render/render_frames.h"
@@ -60,7 +61,7 @@ std::vector<FrameSide> frame_sides(const std::string& kind, int threads) {
 
 /// Adds what is left of the sides as one part, when there are any.
 template <class Side, class NameOf, class Measure>
-void add_part(std::vector<Part>& plan, const RenderBenchOptions& options, const std::string& stage,
+void add_part(std::vector<Part>& plan, const BenchOptions& options, const std::string& stage,
               const std::vector<Side>& sides, NameOf name_of, Measure measure) {
   Part part{stage, {}, nullptr};
   std::vector<Side> wanted;
@@ -76,7 +77,7 @@ void add_part(std::vector<Part>& plan, const RenderBenchOptions& options, const 
   plan.push_back(std::move(part));
 }
 
-std::vector<Part> plan_render(const RenderBenchOptions& options) {
+std::vector<Part> plan_render(const BenchOptions& options) {
   int threads = options.threads;
   if (threads == 0) threads = std::min(2, int(std::thread::hardware_concurrency()));
   const auto limits = [quick = options.quick](RoundLimits of_quick, RoundLimits of_full) {
@@ -133,7 +134,7 @@ std::vector<Part> plan_render(const RenderBenchOptions& options) {
 
 }  // namespace
 
-std::vector<std::string> render_row_names(const RenderBenchOptions& options) {
+std::vector<std::string> render_row_names(const BenchOptions& options, Console&) {
   std::vector<std::string> names;
   for (const Part& part : plan_render(options)) {
     names.insert(names.end(), part.names.begin(), part.names.end());
@@ -141,7 +142,7 @@ std::vector<std::string> render_row_names(const RenderBenchOptions& options) {
   return names;
 }
 
-BenchReport bench_render(const RenderBenchOptions& options, Console& console) {
+BenchReport bench_render(const BenchOptions& options, Console& console) {
   const std::vector<Part> plan = plan_render(options);
   BenchReport result{"render", measure_machine(), {}};
   const BeforeRun stop_if_cancelled = [&] {
