@@ -4,6 +4,7 @@
 #include "raycast/march/marcher.h"
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
+#include "tests/support/sanitized.h"
 #include "volumes/field/displacement.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
@@ -70,6 +71,7 @@ TEST(PropertyRenderAccuracy, DisplacementsRenderedThroughInversionMatchTheDeform
 }
 
 TEST(PropertyRenderAccuracy, WithoutTheGradientTermShearMissesThatBar) {
+  LEFT_OUT_WHEN_SANITIZED();
   DeformedBody body(shear_warp(kCentre, 0.5));
   const OffsetField offsets = sample_offsets(shear_warp(kCentre, 0.5), body.geometry(),
                                              voxels_of(body.geometry().dims(), everywhere));
@@ -80,6 +82,7 @@ TEST(PropertyRenderAccuracy, WithoutTheGradientTermShearMissesThatBar) {
 }
 
 TEST(PropertyRenderAccuracy, OffsetsOfTheWrongSignFailWidely) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const AccuracyCase& c : cases()) {
     DeformedBody body(c.warp);
     OffsetField offsets =

@@ -7,6 +7,7 @@
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/reference/thesis_ecm.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/parallel.h"
 
 using namespace supple;
@@ -48,6 +49,7 @@ std::array<BrickValues, 3> dragged(const Body& rest, Engine engine, int threads,
 }  // namespace
 
 TEST(PropertyBlockEngine, ResultAndVisitsDoNotDependOnTheNumberOfThreads) {
+  LEFT_OUT_WHEN_SANITIZED();
   const Body body = body_of(shells({70, 60, 50}, 5));
   std::int64_t visits_of_one = 0;
   const auto expected = dragged(body, Engine::block, 1, &visits_of_one);
@@ -60,6 +62,7 @@ TEST(PropertyBlockEngine, ResultAndVisitsDoNotDependOnTheNumberOfThreads) {
 }
 
 TEST(PropertyBlockEngine, EqualsTheFlatEngineOnBodiesOfManyBricks) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const unsigned seed : {1u, 2u, 3u}) {
     const Body body = body_of(shells({45, 37, 50}, seed));
     const auto block = dragged(body, Engine::block, 2);
@@ -69,6 +72,7 @@ TEST(PropertyBlockEngine, EqualsTheFlatEngineOnBodiesOfManyBricks) {
 }
 
 TEST(PropertyBlockEngine, EqualsTheThesisAlgorithmOnBodiesOfManyBricks) {
+  LEFT_OUT_WHEN_SANITIZED();
   const Block block = shells({33, 26, 30}, 9);
   Body body = body_of(block);
   const reference::ReferenceLattice lattice = reference::lattice_of(body);
@@ -87,6 +91,7 @@ TEST(PropertyBlockEngine, EqualsTheThesisAlgorithmOnBodiesOfManyBricks) {
 }
 
 TEST(PropertyBlockEngine, TheEngineIsChosenByHowFullTheBricksAre) {
+  LEFT_OUT_WHEN_SANITIZED();
   const auto engine_of = [](const Vec3i& dims) {
     Body body = body_of(soft_block(dims));
     return EcmSolver(body).drag({{{0, 0, 0}, {kVoxel, 0, 0}}}, {}).engine;
@@ -97,6 +102,7 @@ TEST(PropertyBlockEngine, TheEngineIsChosenByHowFullTheBricksAre) {
 }
 
 TEST(PropertyBlockEngine, WithDiagonalsResultAndVisitsDependNeitherOnThreadsNorOnTheEngine) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const int links : {18, 26}) {
     Block block = shells({37, 30, 41}, unsigned(links));
     block.table.links = links;
@@ -157,6 +163,7 @@ struct HalfDomain {
 }  // namespace
 
 TEST(PropertyBlockEngine, TwoHalfDomainsThatExchangeHaloValuesGiveTheBitsOfOneSolver) {
+  LEFT_OUT_WHEN_SANITIZED();
   std::mt19937 random(12);
   int exchanges = 0;
   for (const int border : {16, 8, 13, 1}) {

@@ -115,6 +115,7 @@ std::optional<std::vector<std::int64_t>> projected_by_force(
 }  // namespace
 
 TEST(PropertyCutContact, AThousandRandomDragsOfClosedCutsLeaveNoPointBehindTheOtherLip) {
+  LEFT_OUT_WHEN_SANITIZED();
   const Vec3d normals[] = {{0, 0, 1}, {1, 0, 0}, {0.5, 0, 0.87}, {0.3, 0.4, 0.87}, {1, 1, 0.2}};
   constexpr int kDrags = cases(1000), kOfABody = 5;
   std::mt19937 random(11);
@@ -317,6 +318,7 @@ TEST(UnitCutContact, AStartThatOtherModelsLeftInvalidIsProjectedForEveryPartThat
 }
 
 TEST(PropertyCutContact, AfterARelaxationTooTheSidesAreApart) {
+  LEFT_OUT_WHEN_SANITIZED();
   int met = 0;
   for (unsigned n = 0; n < cases(12); ++n) {
     std::mt19937 random(40 + n);

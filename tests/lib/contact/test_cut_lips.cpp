@@ -93,6 +93,7 @@ double worst_lip(const CutBlock& block, const OffsetField& field, Move&& u, int&
 }  // namespace
 
 TEST(PropertyCutLips, OfAnObliqueCutLieWithinATenthOfAVoxelOfThePlane) {
+  LEFT_OUT_WHEN_SANITIZED();
   const double angle = 30 * M_PI / 180;
   const Vec3d directions[] = {{std::cos(angle), std::sin(angle), 0},
                               {std::sin(angle), 0, std::cos(angle)},
@@ -117,6 +118,7 @@ TEST(PropertyCutLips, OfAnObliqueCutLieWithinATenthOfAVoxelOfThePlane) {
 }
 
 TEST(PropertyCutLips, OfASphereLieWithinATenthOfAVoxel) {
+  LEFT_OUT_WHEN_SANITIZED();
   Body body = body_of(whole_block());
   const double radius = 9.3;
   TriangleMesh sphere = unit_sphere(4);

@@ -12,6 +12,7 @@
 #include "tests/lib/mesh_fixtures.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -184,6 +185,7 @@ TEST(PropertyModels, ThousandStepsWithAnotherModelEveryTenNeitherJumpNorDrift) {
 }
 
 TEST(PropertyModels, AMotionThatIsHandedOverEveryTenStepsIsThatOfOneModel) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const SpringMethod method : {SpringMethod::symplectic, SpringMethod::implicit,
                                     SpringMethod::xpbd, SpringMethod::projective}) {
     Scene whole({7, 4, 3}), parts({7, 4, 3});
@@ -270,6 +272,7 @@ TEST(PropertyModels, ThePullOnAHandleIsThatOfTheSpringsInARow) {
 }
 
 TEST(PropertyModels, IntegratorsAtRestPullAsTheMinimumDoesButXpbdPullsFarLess) {
+  LEFT_OUT_WHEN_SANITIZED();
   const std::vector<Handle> end = {{{13, 2, 2}, {kVoxel, 0, 0}}};
   const auto pull = [&](const MotionParams& params, int steps) {
     Scene scene({14, 4, 4});

@@ -8,6 +8,7 @@
 #include "lib/relax/brick_springs.h"
 #include "lib/relax/fine_offsets.h"
 #include "tests/lib/relaxed_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -57,6 +58,7 @@ int broken(const Body& body, const LinkTable& table, const Holds& held,
 }  // namespace
 
 TEST(PropertyFineOffsets, TwoRunsAreOneOfAsManyPasses) {
+  LEFT_OUT_WHEN_SANITIZED();
   std::mt19937 random(21);
   int with_fractions = 0;
   for (int n = 0; n < 20; ++n) {

@@ -176,6 +176,7 @@ TEST(UnitReaction, ALinkIsAtItsLimitFromA4096thVoxelOn) {
 }
 
 TEST(PropertyReaction, AfterADragAloneItIsTheSlopeOfTheEnergyAlongTheDrag) {
+  LEFT_OUT_WHEN_SANITIZED();
   std::mt19937 random(11);
   int compared = 0, pulling = 0;
   for (int n = 0; n < cases(900); ++n) {
@@ -221,6 +222,7 @@ TEST(PropertyReaction, AfterADragAloneItIsTheSlopeOfTheEnergyAlongTheDrag) {
 }
 
 TEST(PropertyReaction, AtTheMinimumItIsTheSlopeOfTheLeastEnergy) {
+  LEFT_OUT_WHEN_SANITIZED();
   std::mt19937 random(23);
   int compared = 0, leaning = 0, taut = 0;
   for (int n = 0; n < cases(45); ++n) {

@@ -8,6 +8,7 @@
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -113,6 +114,7 @@ TEST_F(PropertyHandlePath, ARelaxedPathIsItsKeysAsRelaxedSteps) {
 }
 
 TEST_F(PropertyHandlePath, APathUnderSpringsIsItsKeysAsStepsOfSprings) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const bool minimises : {false, true}) {
     Step sprung;
     sprung.springs = SpringStep();

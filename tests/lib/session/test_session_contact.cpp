@@ -6,6 +6,7 @@
 #include "lib/material/material_file.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/parallel.h"
 
 using namespace supple;
@@ -314,4 +315,5 @@ TEST_P(PropertySessionContact, DoesNotDependOnThreadsAndIsTakenBack) {
   EXPECT_EQ(one.q, many.q);
 }
 
+LEFT_OUT_WHEN_SANITIZED("PropertySessionContact.*/1");
 INSTANTIATE_TEST_SUITE_P(, PropertySessionContact, ::testing::Values(6, 26));

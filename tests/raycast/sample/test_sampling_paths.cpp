@@ -3,6 +3,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
+#include "tests/support/sanitized.h"
 #include "volumes/field/paths/path_functions.h"
 
 namespace supple {
@@ -114,6 +115,7 @@ TEST(PropertySamplingPaths, AFaceIsShadedAsAFaceHoweverTheTissueBehindItLooks) {
 }
 
 TEST(PropertySamplingPaths, SkippingEmptySpaceDoesNotChangeAnExplodedPicture) {
+  LEFT_OUT_WHEN_SANITIZED();
   const Geometry geometry = cube_geometry(kPathSize);
   const DensityGrid grid =
       grid_of(voxels_of(geometry.dims(), everywhere), lobed_body(Vec3d(19.5), 12));

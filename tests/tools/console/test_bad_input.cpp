@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 
@@ -61,6 +62,7 @@ class FaultBadInput : public ::testing::Test {
 }  // namespace
 
 TEST_F(FaultBadInput, FilesThatAreNotVolumesAreRefused) {
+  RUN_WHEN_SANITIZED();
   expect_refused(m_folder, {"info", m_folder / "nothing.nhdr"}, 3,
                  {"nothing.nhdr", "no such file"});
   expect_refused(m_folder, {"info", m_folder.path()}, 3, {"directory"});
@@ -71,6 +73,7 @@ TEST_F(FaultBadInput, FilesThatAreNotVolumesAreRefused) {
 }
 
 TEST_F(FaultBadInput, HeadersThatContradictTheirDataAreRefusedWithBothNumbers) {
+  RUN_WHEN_SANITIZED();
   expect_header_refused(header("4 4 5"), {"data.raw", "64", "80"});
   expect_header_refused(header("4 4 3"), {"data.raw", "64", "48"});
   expect_header_refused(header("0 4 4"), {"bad.nhdr", "sizes", "0 4 4"});
@@ -81,12 +84,14 @@ TEST_F(FaultBadInput, HeadersThatContradictTheirDataAreRefusedWithBothNumbers) {
 }
 
 TEST_F(FaultBadInput, HeadersWithUnusableGeometryOrTypeAreRefused) {
+  RUN_WHEN_SANITIZED();
   expect_header_refused(header("4 4 4", "uint8", "(nan,0,0) (0,1,0) (0,0,1)"), {"bad.nhdr"});
   expect_header_refused(header("4 4 4", "uint8", "(1,0,0) (1,0,0) (0,0,1)"), {"direction"});
   expect_header_refused(header("4 4 4", "complex"), {"type", "complex"});
 }
 
 TEST_F(FaultBadInput, RawSpecificationsAreChecked) {
+  RUN_WHEN_SANITIZED();
   const std::string raw = m_folder / "data.raw";
   const std::string good = "dims=4,4,4,type=uint8,spacing=1,1,1";
   EXPECT_EQ(run_supple({"info", raw, "--raw", good}).exit_code, 0);
@@ -99,6 +104,7 @@ TEST_F(FaultBadInput, RawSpecificationsAreChecked) {
 }
 
 TEST_F(FaultBadInput, NotANumberIsVoidAndSaid) {
+  RUN_WHEN_SANITIZED();
   std::string voxels;
   for (int n = 0; n < 64; ++n) {
     const float value = n == 7 ? std::numeric_limits<float>::quiet_NaN() : float(n);
@@ -117,6 +123,7 @@ TEST_F(FaultBadInput, NotANumberIsVoidAndSaid) {
 }
 
 TEST_F(FaultBadInput, GrabsThatHoldNothingNameTheNearestElement) {
+  RUN_WHEN_SANITIZED();
   expect_refused(m_folder, deform("ball.nhdr", "0,8,8"), 3, {"0", "nearest"});
   expect_refused(m_folder, deform("ball.nhdr", "99,8,8"), 3, {"99"});
   expect_refused(m_folder, deform("ball.nhdr", "-1,8,8"), 3, {"-1"});
@@ -125,6 +132,7 @@ TEST_F(FaultBadInput, GrabsThatHoldNothingNameTheNearestElement) {
 }
 
 TEST_F(FaultBadInput, FixesThatHoldNothingOrTheGrabAreRefused) {
+  RUN_WHEN_SANITIZED();
   auto arguments = deform("ball.nhdr", "8,8,8");
   arguments.insert(arguments.end(), {"--fix", "0,0,0:1,1,1"});
   expect_refused(m_folder, arguments, 3, {"fix"});
@@ -133,12 +141,14 @@ TEST_F(FaultBadInput, FixesThatHoldNothingOrTheGrabAreRefused) {
 }
 
 TEST_F(FaultBadInput, ContradictingHandlesAreNamedWithTheMissingDistance) {
+  RUN_WHEN_SANITIZED();
   auto arguments = deform("ball.nhdr", "7,8,8", "-20,0,0");
   arguments.insert(arguments.end(), {"--grab", "9,8,8", "--by", "20,0,0"});
   expect_refused(m_folder, arguments, 3, {"7,8,8", "9,8,8", "mm"});
 }
 
 TEST_F(FaultBadInput, TablesOutOfOrderNameTheKeyPoint) {
+  RUN_WHEN_SANITIZED();
   write_text(m_folder / "soft.toml",
              "domain = [0, 255]\nmax_length = [[100, 1.3], [50, 1.2]]\nmin_length = [[0, 0.7]]\n"
              "shear = [[0, 0.3]]\n");
@@ -154,6 +164,7 @@ TEST_F(FaultBadInput, TablesOutOfOrderNameTheKeyPoint) {
 }
 
 TEST_F(FaultBadInput, DamagedStatesAreRefused) {
+  RUN_WHEN_SANITIZED();
   ASSERT_EQ(run_supple(deform("ball.nhdr", "8,8,8")).exit_code, 0);
   const std::string state = read_text(m_folder / "out.vdb");
   write_text(m_folder / "cut.vdb", state.substr(0, state.size() / 2));
@@ -167,6 +178,7 @@ TEST_F(FaultBadInput, DamagedStatesAreRefused) {
 }
 
 TEST_F(FaultBadInput, UnusableOutputsAreRefusedBeforeTheWork) {
+  RUN_WHEN_SANITIZED();
   auto arguments = deform("ball.nhdr", "8,8,8");
   arguments.back() = m_folder / "no_such_folder/out.vdb";
   expect_refused(m_folder, arguments, 3, {"no such folder"});
@@ -176,6 +188,7 @@ TEST_F(FaultBadInput, UnusableOutputsAreRefusedBeforeTheWork) {
 }
 
 TEST_F(FaultBadInput, OutputsThatAreNoPlainFilesOrInputsAreRefusedEvenWithForce) {
+  RUN_WHEN_SANITIZED();
   ASSERT_EQ(run_supple(deform("ball.nhdr", "8,8,8")).exit_code, 0);
   ASSERT_EQ(::mkfifo((m_folder / "pipe.png").c_str(), 0600), 0);
   expect_refused(m_folder, {"render", m_folder / "out.vdb", "-o", m_folder / "pipe.png", "--force"},
@@ -197,6 +210,7 @@ TEST_F(FaultBadInput, OutputsThatAreNoPlainFilesOrInputsAreRefusedEvenWithForce)
 }
 
 TEST_F(FaultBadInput, NumbersOutOfRangeAreRefused) {
+  RUN_WHEN_SANITIZED();
   ASSERT_EQ(run_supple(deform("ball.nhdr", "8,8,8")).exit_code, 0);
   const std::string state = m_folder / "out.vdb", image = m_folder / "x.png";
   for (const char* step : {"0", "-1", "1e-9", "nan", "inf"}) {
@@ -211,6 +225,7 @@ TEST_F(FaultBadInput, NumbersOutOfRangeAreRefused) {
 }
 
 TEST_F(FaultBadInput, ASceneThatFailsInALaterStepLeavesNothingBehind) {
+  RUN_WHEN_SANITIZED();
   write_text(m_folder / "scene.toml",
              "[volume]\npath = \"ball.nhdr\"\n[material]\ntable = \"soft.toml\"\n"
              "[[step]]\ngrab = [8, 8, 8]\nby = [1.0, 0.0, 0.0]\n"
@@ -221,6 +236,7 @@ TEST_F(FaultBadInput, ASceneThatFailsInALaterStepLeavesNothingBehind) {
 }
 
 TEST_F(FaultBadInput, AFullDiskLeavesNothingBehind) {
+  RUN_WHEN_SANITIZED();
   const auto before = m_folder.entries();
   RunOptions small_disk;
   small_disk.max_file_bytes = 2000;
@@ -246,6 +262,7 @@ TEST_F(FaultBadInput, AFullDiskLeavesNothingBehind) {
 }
 
 TEST_F(FaultBadInput, ReadOnlyFoldersAreASystemError) {
+  RUN_WHEN_SANITIZED();
   // A copy of the program, since root's home may be closed to others.
   namespace fs = std::filesystem;
   const std::string program = m_folder / "supple";

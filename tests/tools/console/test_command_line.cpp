@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 
@@ -66,6 +67,7 @@ TEST(UnitCommandLine, AWrongCommandLineIsOneLineAndExitCodeTwo) {
 }
 
 TEST(UnitCommandLine, InfoOfSeveralFilesDescribesThemAllAndNamesThoseThatItCannotRead) {
+  RUN_WHEN_SANITIZED();
   const TemporaryFolder folder;
   write_ball(folder, "ball", 16);
   write_ball(folder, "small", 8);
@@ -94,6 +96,7 @@ TEST(UnitCommandLine, InfoOfSeveralFilesDescribesThemAllAndNamesThoseThatItCanno
 }
 
 TEST(UnitCommandLine, InfoAsJsonHasTheDocumentedFields) {
+  RUN_WHEN_SANITIZED();
   const TemporaryFolder folder;
   write_ball(folder, "ball", 16);
   const Outcome outcome = run_supple({"info", "--json", folder / "ball.nhdr"});

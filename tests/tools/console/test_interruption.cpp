@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/files.h"
 
@@ -13,6 +14,7 @@ using namespace supple;
 using namespace supple::test;
 
 TEST(FaultInterruption, CtrlCLeavesNoPartialFile) {
+  RUN_WHEN_SANITIZED();
   const TemporaryFolder folder;
   write_ball(folder, "ball", 128);
   write_soft_material(folder / "soft.toml");
@@ -40,6 +42,7 @@ TEST(FaultInterruption, CtrlCLeavesNoPartialFile) {
 }
 
 TEST(FaultInterruption, SigtermDoesNotWaitForALibrary) {
+  RUN_WHEN_SANITIZED();
   const TemporaryFolder folder;
   write_ball(folder, "ball", 64);
   write_soft_material(folder / "soft.toml");
@@ -62,6 +65,7 @@ TEST(FaultInterruption, SigtermDoesNotWaitForALibrary) {
 }
 
 TEST(FaultInterruption, WhatRemainsOfAnOutputIsAllThatWasMadeForIt) {
+  RUN_WHEN_SANITIZED();
   const TemporaryFolder folder;
   ReservedNames names;
   const std::vector<Remains> remains = names.add(folder / "new/deep/out.vdb");

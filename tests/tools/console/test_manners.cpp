@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"
 
@@ -337,6 +338,7 @@ class FaultSharedNames : public UnitManners {};
 }  // namespace
 
 TEST_F(FaultSharedNames, AFileThatAnotherProcessIsAboutToWriteIsRefused) {
+  RUN_WHEN_SANITIZED();
   const std::string copy = m_folder / "copy.nrrd";
   const std::vector<std::string> convert = {"convert", m_folder / "ball.nhdr", copy};
   {
@@ -354,6 +356,7 @@ TEST_F(FaultSharedNames, AFileThatAnotherProcessIsAboutToWriteIsRefused) {
 }
 
 TEST_F(FaultSharedNames, OfFourProcessesOneWritesAndTheOthersSaySo) {
+  RUN_WHEN_SANITIZED();
   // Large enough that all four have begun before the first is done.
   write_ball(m_folder, "large", 96);
   const std::string binary = std::getenv("SUPPLE_BINARY");
@@ -375,6 +378,7 @@ TEST_F(FaultSharedNames, OfFourProcessesOneWritesAndTheOthersSaySo) {
 }
 
 TEST_F(FaultSharedNames, WhatKilledProcessesLeftGoesWithTheNextRun) {
+  RUN_WHEN_SANITIZED();
   // No process has the largest number that the kernel allows.
   const std::string gone = ".supple-4194304-copy.nrrd", mine = ".supple-1-copy.nrrd";
   write_text(m_folder / gone, "left");
@@ -388,6 +392,7 @@ TEST_F(FaultSharedNames, WhatKilledProcessesLeftGoesWithTheNextRun) {
 }
 
 TEST_F(FaultSharedNames, FoldersMadeForOutputsThatFailAreGone) {
+  RUN_WHEN_SANITIZED();
   const Outcome outcome = run_scene(kStep + kStep + "[output]\nstate = \"a/b.vdb\"\n" +
                                     "volumes = [\"a/v.nrrd\"]\n[[step]]\ngrab = [0, 0, 0]\n"
                                     "by = [1.0, 0.0, 0.0]\n");

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "tools/lab/stress/stress_verdict.h"
 
 using namespace supple;
@@ -100,6 +101,7 @@ void expect_agreeing(const std::vector<std::string>& options, std::size_t least_
 }
 
 TEST(ExtremesStress, OneModelUnderEveryExtremeKeepsItsPromiseOrRefuses) {
+  RUN_WHEN_SANITIZED();
   expect_agreeing({"--quick"}, 35);
 }
 

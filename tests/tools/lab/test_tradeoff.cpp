@@ -11,6 +11,7 @@
 
 #include "tests/support/errors.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "tools/lab/tradeoff/trade_curves.h"
 #include "tools/scene/choice/method_choice.h"
 #include "tools/scene/choice/run_phases.h"
@@ -45,6 +46,7 @@ std::vector<std::size_t> rows_of(const std::vector<TradePoint>& points) {
 }
 
 TEST(UnitTradeCurves, TheFrontIsWhatNoOtherPointBeats) {
+  RUN_WHEN_SANITIZED();
   const std::vector<TradePoint> points = {{1, 5, 0}, {2, 5, 1},   {3, 1, 2}, {3, 2, 3},
                                           {2, 4, 4}, {0.5, 9, 5}, {9, 1, 6}};
   EXPECT_EQ(rows_of(pareto_front(points)), (std::vector<std::size_t>{5, 0, 4, 2}));
@@ -52,6 +54,7 @@ TEST(UnitTradeCurves, TheFrontIsWhatNoOtherPointBeats) {
 }
 
 TEST(UnitTradeCurves, BetweenPointsALineInLogarithmsIsRead) {
+  RUN_WHEN_SANITIZED();
   const std::vector<TradePoint> points = {{0.1, 10, 0}, {10, 0.1, 1}};
   const auto time = time_to_error(points, 1, 1e-6);
   ASSERT_TRUE(time);
@@ -64,6 +67,7 @@ TEST(UnitTradeCurves, BetweenPointsALineInLogarithmsIsRead) {
 }
 
 TEST(UnitTradeCurves, BeyondItsPointsACurvePromisesNothing) {
+  RUN_WHEN_SANITIZED();
   const std::vector<TradePoint> points = {{0.1, 10, 0}, {10, 0.1, 1}};
   EXPECT_FALSE(time_to_error(points, 0.05, 1e-6));
   EXPECT_FALSE(error_within_time(points, 0.05, 1e-6));
@@ -73,16 +77,19 @@ TEST(UnitTradeCurves, BeyondItsPointsACurvePromisesNothing) {
 }
 
 TEST(UnitTradeCurves, APointThatItsOwnCurveBeatsBendsNoLine) {
+  RUN_WHEN_SANITIZED();
   const std::vector<TradePoint> points = {{0.1, 10, 0}, {1, 50, 1}, {10, 0.1, 2}};
   EXPECT_NEAR(time_to_error(points, 1, 1e-6)->value, 1, 1e-12);
 }
 
 TEST(UnitTradeCurves, NoErrorBelowTheFloorIsRead) {
+  RUN_WHEN_SANITIZED();
   const std::vector<TradePoint> points = {{1, 1, 0}, {10, 0, 1}};
   EXPECT_EQ(error_within_time(points, 20, 1e-3)->value, 1e-3);
 }
 
 TEST(UnitTradeRow, TheMedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
+  RUN_WHEN_SANITIZED();
   EXPECT_EQ(spread_of({3, 1, 2, 9}).median, 2.5);
   EXPECT_EQ(spread_of({3, 1, 9}).median, 3);
   EXPECT_EQ(spread_of({3, 1, 9}).least, 1);
@@ -90,6 +97,7 @@ TEST(UnitTradeRow, TheMedianOfAnEvenNumberIsTheMeanOfTheMiddleTwo) {
 }
 
 TEST(UnitTradeRow, RowsComeBackFromTheirFileToTheBit) {
+  RUN_WHEN_SANITIZED();
   TradeRow row = row_of("relax-26", 64, 1.0 / 3, 2e-300);
   row.scene = "a \"quoted\", name.toml";
   row.reason = "two\nlines";
@@ -108,6 +116,7 @@ TEST(UnitTradeRow, RowsComeBackFromTheirFileToTheBit) {
 }
 
 TEST(UnitTradeRow, AFileOfOtherColumnsIsRefusedWithItsLine) {
+  RUN_WHEN_SANITIZED();
   const std::string text = to_csv({row_of("fem", 1, 2, 0)});
   const auto problem_of = [](const std::string& csv) {
     return input_error([&] { rows_from_csv(csv, "runs.csv"); });
@@ -122,6 +131,7 @@ TEST(UnitTradeRow, AFileOfOtherColumnsIsRefusedWithItsLine) {
 }
 
 TEST(UnitTradeTables, RowsWhoseTimesOverlapAreToldApartByTheirErrors) {
+  RUN_WHEN_SANITIZED();
   std::vector<TradeRow> rows = {row_of("fem", 1e-10, 9, 0), row_of("ecm", 6, 1, 1),
                                 row_of("ecm", 18, 1.2, 1.01), row_of("ecm", 26, 1.2, 1.5),
                                 row_of("ecm", 26, 99, 1)};

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "tools/console/console.h"
 #include "tools/scene/live/live_loop.h"
 
@@ -138,6 +139,7 @@ class Restless final : public LoopWatcher {
 };
 
 TEST_F(UnitLiveLoop, FiniteElementsEndThoughCamerasAndSizesKeepComing) {
+  LEFT_OUT_WHEN_SANITIZED();
   EventMailbox mailbox;
   Restless watcher(*m_live, mailbox);
   for (const char* keys : {"kind = \"model\"\nmodel = \"fem\"\nfem = { tolerance = 1e-7 }",

@@ -11,6 +11,7 @@
 #include "lib/fem/voxel/loose_islands.h"
 #include "lib/model/fem_motion.h"
 #include "tests/lib/fem_fixtures.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/parallel.h"
 
 using namespace supple;
@@ -221,6 +222,7 @@ TEST(PropertyFemMotion, AModeSwingsAsItsClosedFormSays) {
 }
 
 TEST(ConvergenceFemMotion, TheErrorFallsWithTheSquareOfTheStep) {
+  LEFT_OUT_WHEN_SANITIZED();
   const Body body = short_bar();
   const FemModel model(body, ElasticTable::uniform(6, 0.3));
   const double lowest_hz =

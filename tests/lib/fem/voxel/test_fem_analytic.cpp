@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/lib/fem_fixtures.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -206,6 +207,7 @@ TEST(UnitFemLoads, AForceIsSharedByVolumeSoThatABarIsPulledEvenly) {
 }
 
 TEST(ConvergenceFem, AThickSphereUnderPressureWidensAsLameSays) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const double poisson : {0.3, 0.49}) {
     const std::array<Agreement, 3> found{thick_sphere(8, poisson), thick_sphere(16, poisson),
                                          thick_sphere(32, poisson)};
@@ -216,6 +218,7 @@ TEST(ConvergenceFem, AThickSphereUnderPressureWidensAsLameSays) {
 }
 
 TEST(ConvergenceFem, AStiffAndASoftBallInAStretchedCubeDisturbItAsGoodierSays) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const double young : {10.0, 0.1}) {
     const std::array<Agreement, 3> found{inclusion(8, young), inclusion(16, young),
                                          inclusion(32, young)};
@@ -226,6 +229,7 @@ TEST(ConvergenceFem, AStiffAndASoftBallInAStretchedCubeDisturbItAsGoodierSays) {
 }
 
 TEST(ConvergenceFem, ACantileverPullsAtItsEndAsTimoshenkoSays) {
+  LEFT_OUT_WHEN_SANITIZED();
   const std::array<double, 3> errors{cantilever_error(4), cantilever_error(8),
                                      cantilever_error(16)};
   EXPECT_GE(reached_order(errors, 4), 1.9);
@@ -233,6 +237,7 @@ TEST(ConvergenceFem, ACantileverPullsAtItsEndAsTimoshenkoSays) {
 }
 
 TEST(ConvergenceFem, APointForceMovesFarPlacesAsKelvinSays) {
+  LEFT_OUT_WHEN_SANITIZED();
   for (const double poisson : {0.3, 0.49}) {
     const std::array<Agreement, 3> found{point_force(9, poisson), point_force(17, poisson),
                                          point_force(33, poisson)};

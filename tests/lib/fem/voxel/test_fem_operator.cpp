@@ -11,6 +11,7 @@
 #include "lib/fem/voxel/loose_islands.h"
 #include "lib/fem/voxel/multigrid.h"
 #include "tests/lib/fem_fixtures.h"
+#include "tests/support/sanitized.h"
 #include "volumes/base/parallel.h"
 
 using namespace supple;
@@ -94,6 +95,7 @@ Eigen::VectorXd product(const BlockMatrix<T>& k, const Eigen::VectorXd& x) {
 }  // namespace
 
 TEST(PropertyFem, TheOperatorIsTheAssembledMatrixOnRandomBodies) {
+  LEFT_OUT_WHEN_SANITIZED();
   std::mt19937 random(1);
   for (int round = 0; round < 20; ++round) {
     const Body body = random_fem_body(random, Vec3i(11, 10, 18));
@@ -172,6 +174,7 @@ TEST(PropertyFem, OnlyTheRigidMotionsOfEachIslandHaveNoEnergy) {
 }
 
 TEST(PropertyFem, CoarseOperatorsAreTheGalerkinProductsOfTheFineOne) {
+  LEFT_OUT_WHEN_SANITIZED();
   std::mt19937 random(5);
   bool has_held_cells = false;
   for (int round = 0; round < 12; ++round) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/io/mesh/triangle_mesh.h"
 
 using namespace supple;
@@ -128,6 +129,7 @@ TEST_F(PropertyApply, AStateAndItsExportedWarpsMovePointsAlike) {
 }
 
 TEST_F(UnitApply, AMeshMovesAndKeepsItsFaces) {
+  RUN_WHEN_SANITIZED();
   write_text(path("m.ply"),
              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
              "property float z\nproperty uchar red\nelement face 1\n"

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 
@@ -118,6 +119,7 @@ TEST_F(UnitCutting, ADrawnCurveCutsAsThePlaneThatItSweeps) {
 }
 
 TEST_F(UnitCutting, AContinuedStateIsStillCut) {
+  RUN_WHEN_SANITIZED();
   const std::vector<std::string> soft = {"--material", m_folder / "soft.toml"};
   const auto cut =
       parse(deform("flipped.nhdr", "cut.vdb", {soft[0], soft[1], "--cut", m_folder / "knife.obj"}));

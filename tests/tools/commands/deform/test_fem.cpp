@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/warp_file.h"
 
@@ -110,6 +111,7 @@ class UnitFemScene : public ::testing::Test {
 }  // namespace
 
 TEST_F(UnitFemScene, VolumesGaugesAndReactionsOfAStretchedBarAreThoseByHand) {
+  RUN_WHEN_SANITIZED();
   const Outcome outcome = run_supple(stretch(
       {"--labels", m_folder / "labels.nhdr", "--elements", "von_mises=" + (m_folder / "mises.nrrd"),
        "--elements", "pressure=" + (m_folder / "pressure.mha"), "--elements",
@@ -151,6 +153,7 @@ TEST_F(UnitFemScene, VolumesGaugesAndReactionsOfAStretchedBarAreThoseByHand) {
 }
 
 TEST_F(UnitFemScene, AccuracySetsBothTolerancesAndWhatStandsBesideItReplacesThem) {
+  RUN_WHEN_SANITIZED();
   const auto steps = [&](const std::string& fem, const std::string& after = "") {
     const Outcome run = run_supple({"run", scene(fem, after), "-o", m_folder / "out", "--json"});
     EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -182,6 +185,7 @@ TEST_F(UnitFemScene, AccuracySetsBothTolerancesAndWhatStandsBesideItReplacesThem
 }
 
 TEST_F(UnitFemScene, TheAccuracyOfARunReplacesTheTolerancesOfItsScene) {
+  RUN_WHEN_SANITIZED();
   const auto run = [&](const std::string& fem, const std::vector<std::string>& more) {
     std::vector<std::string> words = {"run",    scene(fem, ""), "-o", m_folder / "out",
                                       "--json", "--force"};
@@ -214,6 +218,7 @@ TEST_F(UnitFemScene, TheAccuracyOfARunReplacesTheTolerancesOfItsScene) {
 }
 
 TEST_F(UnitFemScene, WarningsOfTurnsAndStrainsNameVoxels) {
+  RUN_WHEN_SANITIZED();
   std::vector<std::string> far = stretch({});
   *(std::find(far.begin(), far.end(), "--by") + 1) = "0,0,2";
   const Outcome run = run_supple(far);
@@ -226,6 +231,7 @@ TEST_F(UnitFemScene, WarningsOfTurnsAndStrainsNameVoxels) {
 }
 
 TEST_F(UnitFemScene, SmallerElementsStretchTheBarAlike) {
+  RUN_WHEN_SANITIZED();
   const std::string path = scene("refine = 1", "[output]\nelements = { von_mises = \"m.nrrd\" }\n");
   std::string text = read_text(path);
   text.insert(text.find("[material]"), "[labels]\npath = \"labels.nhdr\"\n");
@@ -263,6 +269,7 @@ TEST_F(UnitFemScene, SmallerElementsStretchTheBarAlike) {
 }
 
 TEST_F(UnitFemScene, ConventionsOfBoneLaboratoriesAreKeysAndOptions) {
+  RUN_WHEN_SANITIZED();
   // Two columns that touch along an edge; one is held, the other one drawn.
   write_bar("bar", [](const Vec3i& v) { return (v.x < 3) == (v.y < 2) ? 100 : 0; });
   const auto pull = [&](const std::vector<std::string>& more) {
@@ -293,6 +300,7 @@ TEST_F(UnitFemScene, ConventionsOfBoneLaboratoriesAreKeysAndOptions) {
 }
 
 TEST_F(UnitFemScene, AVolumeLiesWhereItsElementsAre) {
+  RUN_WHEN_SANITIZED();
   // A bar with a hole: bricks with gaps.
   write_bar("bar", [](const Vec3i& v) { return v.x == 2 && v.y < 3 && v.z == 4 ? 0 : 100; });
   const Outcome outcome = run_supple(
@@ -308,6 +316,7 @@ TEST_F(UnitFemScene, AVolumeLiesWhereItsElementsAre) {
 }
 
 TEST_F(UnitFemScene, WhatDoesNotConvergeHasItsNumbersAndNoOutput) {
+  RUN_WHEN_SANITIZED();
   const Outcome outcome =
       run_supple({"run", scene("max_iterations = 1", "[output]\nstate = \"state.vdb\"\n"), "-o",
                   m_folder / "out"});
@@ -322,6 +331,7 @@ TEST_F(UnitFemScene, WhatDoesNotConvergeHasItsNumbersAndNoOutput) {
 }
 
 TEST_F(UnitFemScene, AnIslandIsWarnedOfOrRefused) {
+  RUN_WHEN_SANITIZED();
   write_bar("bar", [](const Vec3i& v) { return v.x == 4 ? 0 : 100; });
   const std::string output = "[output]\nstate = \"state.vdb\"\n";
   const auto run = [&](const std::string& fem) {
@@ -342,6 +352,7 @@ TEST_F(UnitFemScene, AnIslandIsWarnedOfOrRefused) {
 }
 
 TEST_F(UnitFemScene, AtFiniteStrainABarIsStretchedByAHalf) {
+  RUN_WHEN_SANITIZED();
   std::vector<std::string> arguments =
       stretch({"--strain", "finite", "--elements", "strain_1=" + (m_folder / "strain.nrrd"),
                "--elements", "von_mises=" + (m_folder / "mises.nrrd"), "--json"});
@@ -362,6 +373,7 @@ TEST_F(UnitFemScene, AtFiniteStrainABarIsStretchedByAHalf) {
 }
 
 TEST_F(UnitFemScene, ABarThatIsLetGoSwingsAndIsFilmed) {
+  RUN_WHEN_SANITIZED();
   // 16 mm of it are free; a wave goes along them and back in 4 L / c. Half of that later all odd
   // waves are where they were, with the other sign.
   const double period_s = 4 * 16e-3 / std::sqrt(20e3 / 1000);
@@ -398,6 +410,7 @@ TEST_F(UnitFemScene, ABarThatIsLetGoSwingsAndIsFilmed) {
 }
 
 TEST_F(UnitFemScene, DampingOfTheMaterialTakesEnergy) {
+  RUN_WHEN_SANITIZED();
   write_text(m_folder / "tissue.toml",
              read_text(m_folder / "tissue.toml") + "damping = [[0, 2]]\n");
   const Outcome outcome =
@@ -411,6 +424,7 @@ TEST_F(UnitFemScene, DampingOfTheMaterialTakesEnergy) {
 }
 
 TEST_F(UnitFemScene, AHandleMovesSmoothlyInTimeAndFeelsTheBody) {
+  RUN_WHEN_SANITIZED();
   const std::string path =
       scene("motion = { time = 0.4, step = 2e-3, ramp = 0.2, mass_damping = 40 }",
             "[output]\nstate = \"state.vdb\"\nmotion = \"pull.csv\"\n");
@@ -437,6 +451,7 @@ TEST_F(UnitFemScene, AHandleMovesSmoothlyInTimeAndFeelsTheBody) {
 }
 
 TEST_F(UnitFemScene, MotionsThatCannotBeAreErrors) {
+  RUN_WHEN_SANITIZED();
   const auto expect_error = [&](const std::string& path, const std::string& line,
                                 const std::vector<std::string>& more = {}) {
     std::vector<std::string> arguments = {"run", path, "-o", m_folder / "out"};
@@ -463,6 +478,7 @@ TEST_F(UnitFemScene, MotionsThatCannotBeAreErrors) {
 }
 
 TEST_F(UnitFemScene, VolumesOfElementsNeedFiniteElementsAndKnownNames) {
+  RUN_WHEN_SANITIZED();
   std::vector<std::string> arguments =
       stretch({"--elements", "von_mises=" + (m_folder / "m.nrrd")});
   arguments[5] = "ecm";

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 
@@ -80,6 +81,7 @@ TEST_F(UnitHandles, PointsWithDisplacementsAreHandlesOfTheirOwnAndTakeNoBy) {
 }
 
 TEST_F(UnitHandles, FixedPointsHoldWhatAFixedVoxelHolds) {
+  RUN_WHEN_SANITIZED();
   write_text(m_folder / "pins.csv", "x,y,z\n5,8,12\n5,9,12\n");
   const std::vector<std::string> grab = {"--grab", "8,8,8", "--by", "30,0,0", "--json", "--fix"};
   auto with = [&](std::vector<std::string> fixes) {
@@ -136,6 +138,7 @@ TEST_F(UnitHandles, ScenesRefuseHandlesThatAreNotOneThing) {
 }
 
 TEST_F(UnitHandles, ToolsThatWithdrawLeaveTheTissueAndHeldHandlesTakeItBack) {
+  RUN_WHEN_SANITIZED();
   const auto moved_back = [&](const std::string& push) {
     const Outcome outcome = run_scene("[[step]]\ngrab = [8, 8, 8]\nby = [3.0, 0.0, 0.0]\n" + push +
                                       "[[step]]\ngrab = [8, 8, 8]\nby = [-3.0, 0.0, 0.0]\n" + push);

@@ -3,6 +3,7 @@
 
 #include "lib/state/state.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -81,6 +82,7 @@ TEST_F(UnitMaterialColumns, APresetAloneIsATableAndAStateKeepsItsValues) {
 }
 
 TEST_F(UnitMaterialColumns, GivenKeysReplaceThoseOfThePreset) {
+  RUN_WHEN_SANITIZED();
   const std::string head = "domain = [-100, 300]\nactive = [1, 300]\n";
   EXPECT_EQ(kept(head + "preset = \"soft-tissue\"\nmax_length = [[5, 2]]\nshear1 = [[6, 0.5]]\n"
                         "min_length_k = [[7, 0.5]]\ndensity = [[8, 950]]\nplastic = [[9, 0.25]]\n"),
@@ -127,6 +129,7 @@ TEST_F(FaultMaterialColumns, AnUnknownPresetIsRefusedWithLineAndNames) {
 }
 
 TEST_F(FaultMaterialColumns, WrongColumnsAreRefusedByNameAndUnit) {
+  RUN_WHEN_SANITIZED();
   const std::string brain = "preset = \"brain\"\n";
   expect_refused(brain + "stifness = [[0, 6]]\n",
                  "2: stifness: found an unknown key, expected a known one: did you mean "

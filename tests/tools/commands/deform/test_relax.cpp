@@ -4,6 +4,7 @@
 
 #include "lib/state/state.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -132,6 +133,7 @@ TEST_F(UnitRelax, AReleasedStateReturnsToItsShape) {
 }
 
 TEST_F(UnitRelax, APlasticStateKeepsItsSetInTheFile) {
+  RUN_WHEN_SANITIZED();
   write_text(m_folder / "m.toml", kMaterial + "plastic = [[0, 0.02]]\n");
   const Outcome outcome = pull({"--relax", "200", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;

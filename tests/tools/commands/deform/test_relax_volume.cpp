@@ -6,6 +6,7 @@
 
 #include "lib/state/state.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -61,6 +62,7 @@ TEST_F(UnitRelaxVolume, DeformReportsTheVolumeAndTheStateRemembersTheModulus) {
 }
 
 TEST_F(UnitRelaxVolume, ASceneAndDeformAgree) {
+  RUN_WHEN_SANITIZED();
   ASSERT_EQ(deform({"--relax", "30", "--bulk-modulus", "100"}).exit_code, 0);
   const auto by_deform = read_state(m_folder / "out.vdb").q;
   const Outcome outcome = scene("{ passes = 30, bulk_modulus = 100 }");

@@ -6,6 +6,7 @@
 
 #include "lib/state/state.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -117,6 +118,7 @@ TEST_F(UnitSpringScene, EveryStepTellsThePullOfEveryHandle) {
 }
 
 TEST_F(UnitSpringScene, ThePressureOfCellsCountsUntilTheBodyIsMovedWithoutIt) {
+  RUN_WHEN_SANITIZED();
   const std::string fix = "fix = [[0, 0, 0, 15, 4, 15]]\n";
   const auto steps = steps_of("[[step]]\ngrab = [8, 14, 8]\nby = [0, 4, 0]\n" + fix +
                               "relax = { passes = 100, bulk_modulus = 50 }\n[[step]]\n" + fix +

@@ -4,6 +4,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/io/format/volume_file.h"
 
 using namespace supple;
@@ -138,6 +139,7 @@ TEST_F(UnitOffsetFunctions, ASliceOfAnOpenedBodyIsASliceOfTheResampledVolume) {
 }
 
 TEST_F(UnitOffsetFunctions, ALatticeMovesByPointsOfAFileAsByItsIndices) {
+  RUN_WHEN_SANITIZED();
   // Control point (1, 1, 1) of 3^3 over the box -0.5 … 23.5 is its centre.
   write_text(m_folder / "points.csv", "x,y,z,dx,dy,dz\n11.4,11.6,17.3,4,-2,3\n");
   write_text(m_folder / "file.toml",

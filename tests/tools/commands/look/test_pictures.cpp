@@ -3,6 +3,7 @@
 
 #include "raycast/pictures/compare.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -192,6 +193,7 @@ TEST_F(UnitPictures, LightsAndMeshesOfASceneAreThoseOfTheCommandLine) {
 }
 
 TEST_F(UnitPictures, AMeshMovesAlongWithTheTissueWhenAsked) {
+  RUN_WHEN_SANITIZED();
   write_soft_material(m_folder / "soft.toml");
   write_text(m_folder / "square.ply", kSquarePly);
   const std::string state = m_folder / "drag.vdb";

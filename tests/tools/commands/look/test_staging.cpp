@@ -8,6 +8,7 @@
 #include "raycast/pictures/compare.h"
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -187,6 +188,7 @@ TEST_F(UnitStaging, ALightboxHoldsTheSlicesThatItsPlacesName) {
 }
 
 TEST_F(UnitStaging, LabelsAndTheirTissueAreOutlinedTogether) {
+  RUN_WHEN_SANITIZED();
   std::string voxels;
   for (int n = 0; n < 24 * 24 * 24; ++n) voxels += char(n % 24 >= 8 && n % 24 < 16 ? 2 : 0);
   write_text(m_folder / "labels.raw", voxels);
@@ -210,6 +212,7 @@ TEST_F(UnitStaging, LabelsAndTheirTissueAreOutlinedTogether) {
 
 /// Arrows and bent lines are where tissue has moved, straight lines everywhere.
 TEST_F(UnitStaging, ArrowsAndTheGridShowWhereTissueHasGone) {
+  RUN_WHEN_SANITIZED();
   write_soft_material(m_folder / "soft.toml");
   ASSERT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml",
                         "--grab", "12,12,12", "--by", "6,0,0", "-o", m_folder / "drag.vdb"})

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 
@@ -119,6 +120,7 @@ TEST_F(UnitConvert, SlopeAndInterceptAreAppliedWhereTheFormatHasNone) {
 }
 
 TEST_F(UnitConvert, WarpsKeepVectorsDirectionAndCertificateThroughEveryFormat) {
+  RUN_WHEN_SANITIZED();
   write_smooth_warp("w.nrrd");
   expect_done("invert", "w.nrrd", "a.nrrd", {"--direction", "material"});
   const Json source = info("a.nrrd");
@@ -134,6 +136,7 @@ TEST_F(UnitConvert, WarpsKeepVectorsDirectionAndCertificateThroughEveryFormat) {
 }
 
 TEST_F(UnitInvert, AWarpAndItsInverseLeadBack) {
+  RUN_WHEN_SANITIZED();
   write_smooth_warp("w.nrrd");
   expect_done("invert", "w.nrrd", "i.nrrd");
   const Warp warp = read_warp(m_folder / "w.nrrd"), inverse = read_warp(m_folder / "i.nrrd");
@@ -153,6 +156,7 @@ TEST_F(UnitInvert, AWarpAndItsInverseLeadBack) {
 }
 
 TEST_F(UnitMetrics, ADraggedBallTellsHowFarItMovedPerLabelAndInMaps) {
+  RUN_WHEN_SANITIZED();
   write_ball(m_folder, "ball", 24);
   write_soft_material(m_folder / "soft.toml");
   const Outcome drag =
@@ -219,6 +223,7 @@ TEST_F(FaultConvert, ForceSparesEveryFileThatTheInputIsReadFrom) {
 }
 
 TEST_F(FaultConvert, ForceSparesTheStateThatAnOutputComesFrom) {
+  RUN_WHEN_SANITIZED();
   write_ball(m_folder, "ball", 16);
   const std::string state = m_folder / "d.vdb";
   ASSERT_EQ(run_supple(

@@ -8,6 +8,7 @@
 
 #include "lib/state/state.h"
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/grid/labels.h"
 
 using namespace supple;
@@ -108,6 +109,7 @@ TEST_F(UnitLabels, AGrabbedLabelMovesAsOne) {
 }
 
 TEST_F(UnitLabels, ARigidLabelKeepsItsShapeWhenItsSurroundingsAreDragged) {
+  RUN_WHEN_SANITIZED();
   const Outcome soft = deform("ball.nhdr", {"--grab", "20,12,12", "--by", "8,0,0"});
   ASSERT_EQ(soft.exit_code, 0) << soft.err;
   EXPECT_LT(moves_of(3).first, moves_of(3).second);
@@ -235,6 +237,7 @@ TEST_F(FaultLabels, LabelsThatAreNotThereAreNamed) {
 }
 
 TEST_F(FaultLabels, LabelVolumesMustHoldLabelsOnTheVolumesGrid) {
+  RUN_WHEN_SANITIZED();
   write_header("labels", "24 48 12");
   Outcome outcome = deform("ball.nhdr", {"--fix", "label:1"});
   EXPECT_EQ(outcome.exit_code, 3);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 
@@ -86,6 +87,7 @@ TEST_F(PropertyMainJob, AsManyThreadsWorkAsWereAskedForOnFewerCoresToo) {
 }
 
 TEST_F(PropertyMainJob, AContinuedStateGoesOnFromWhereItWas) {
+  RUN_WHEN_SANITIZED();
   deform("ball.nhdr", "6,0,0", "one.vdb");
   deform("one.vdb", "-6,0,0", "back.vdb");
   const Outcome info = run_supple({"info", "--json", m_folder / "back.vdb"});
@@ -95,6 +97,7 @@ TEST_F(PropertyMainJob, AContinuedStateGoesOnFromWhereItWas) {
 }
 
 TEST_F(PropertyMainJob, AnAnchorStopsTheDragAndTheFractionIsReported) {
+  RUN_WHEN_SANITIZED();
   const Outcome outcome = deform("ball.nhdr", "40,0,0", "stopped.vdb", {"--fix", "8,8,8:8,16,16"});
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_GT(json["fraction"], 0.0);
@@ -184,6 +187,7 @@ TEST_F(PropertyMainJob, ScaledVolumesAreResampledInFloat) {
 }
 
 TEST_F(PropertyMainJob, ExportAndResampleReportAsJson) {
+  RUN_WHEN_SANITIZED();
   deform("ball.nhdr", "15,0,0", "out.vdb");
   for (const char* command : {"export", "resample"}) {
     const Outcome outcome = run_supple({command, m_folder / "out.vdb", "--json", "-o",

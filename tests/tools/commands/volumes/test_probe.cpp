@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 
@@ -62,6 +63,7 @@ TEST_F(UnitProbe, AMaterialTellsClassAndLimitsAndWhatIsNoElement) {
 }
 
 TEST_F(UnitProbe, AStateTellsWhereTissueWentAndWhereItCameFrom) {
+  RUN_WHEN_SANITIZED();
   ASSERT_EQ(run_supple({"deform", m_folder / "ball.nhdr", "--material", m_folder / "soft.toml",
                         "--grab", "7,7,7:9,9,9", "--by", "2,0,-1.5", "-o", m_folder / "d.vdb"})
                 .exit_code,

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 
@@ -49,6 +50,7 @@ TEST_F(UnitScene, TheSmallestSceneWritesWhatItNames) {
 }
 
 TEST_F(UnitScene, ADryRunWritesNothing) {
+  RUN_WHEN_SANITIZED();
   const Outcome outcome = run_scene(m_head + "[[view]]\nimage = \"a.png\"\n", {"--dry-run"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_NE(outcome.out.find("a.png"), std::string::npos);
@@ -103,6 +105,7 @@ TEST_F(UnitScene, WrongValuesNameTheKeyAndWhatIsExpected) {
 }
 
 TEST_F(UnitScene, PositionsAndVectorsInLpsMeanTheSameAsVoxels) {
+  RUN_WHEN_SANITIZED();
   // Index j runs to anterior, so that LPS and grid axes differ in sign: voxel (8, 8, 8) lies at
   // (8, 7, 12) mm.
   write_text(m_folder / "flipped.nhdr",
@@ -120,6 +123,7 @@ TEST_F(UnitScene, PositionsAndVectorsInLpsMeanTheSameAsVoxels) {
 }
 
 TEST_F(UnitScene, ViewsShowTheStepTheyName) {
+  RUN_WHEN_SANITIZED();
   const std::string step = "[[step]]\ngrab = [8, 8, 8]\nby = [3.0, 0.0, 0.0]\n";
   const std::string look = "preset = \"MR-Default\"\nsize = [64, 64]\n";
   const Outcome outcome =
@@ -137,6 +141,7 @@ TEST_F(UnitScene, ViewsShowTheStepTheyName) {
 }
 
 TEST_F(UnitScene, HandlesStayHeldUntilReleased) {
+  RUN_WHEN_SANITIZED();
   // The second step drags the other side of the ball; the first handle must not follow.
   const std::string steps =
       "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n"
@@ -152,6 +157,7 @@ TEST_F(UnitScene, HandlesStayHeldUntilReleased) {
 }
 
 TEST_F(UnitScene, AStepUnderBallLimitsSaysSoInReportAndConfiguration) {
+  RUN_WHEN_SANITIZED();
   const std::string step = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n";
   const Outcome outcome = run_scene(
       m_head + step + "limits = \"ball\"\n" + step + "[output]\nstate = \"a.vdb\"\n", {"--json"});
@@ -167,6 +173,7 @@ TEST_F(UnitScene, AStepUnderBallLimitsSaysSoInReportAndConfiguration) {
 }
 
 TEST_F(UnitScene, AStepUnderTightenedLimitsTightensAfterItsRelaxation) {
+  RUN_WHEN_SANITIZED();
   const std::string step = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n";
   const std::string tighten = "limits = \"tighten\"\n";
   const Outcome outcome = run_scene(

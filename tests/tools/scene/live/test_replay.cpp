@@ -9,6 +9,7 @@
 #include "lib/material/material_file.h"
 #include "lib/state/state.h"
 #include "raycast/pictures/image.h"
+#include "tests/support/sanitized.h"
 #include "tests/tools/scene/live/replay_fixture.h"
 
 using namespace supple;
@@ -266,6 +267,7 @@ TEST_F(UnitReplay, AThousandRandomEventsAndAsManyUndosLeadBackToTheStart) {
 }
 
 TEST_F(UnitReplay, ARedoLeadsToWhereTheUndoCameFrom) {
+  RUN_WHEN_SANITIZED();
   const std::string end = hash(journal(kDrags));
   const std::string undos = event("undo") + event("undo") + event("undo");
   const std::string redos = event("redo") + event("redo") + event("redo");
@@ -274,6 +276,7 @@ TEST_F(UnitReplay, ARedoLeadsToWhereTheUndoCameFrom) {
 }
 
 TEST_F(UnitReplay, EventsThatComeFasterThanTheyAreDoneAreMergedAndTheirJournalReplays) {
+  RUN_WHEN_SANITIZED();
   std::string many = event("grab", "grab = [12, 12, 16]");
   for (int n = 1; n <= 400; ++n) {
     many += event("drag", "to = " + vector_text({0, 0.01 * n, 0}));

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple::test;
 
@@ -140,6 +141,7 @@ TEST_F(PropertyFilm, KillInTheMiddleLeavesWholeFramesAndThoseThatAreMissing) {
 }
 
 TEST_F(PropertyFilm, AFrameIsTheSceneWithTheHandleAtItsPose) {
+  RUN_WHEN_SANITIZED();
   write_film();
   ASSERT_EQ(run("film", {"--frames", "3", "--threads", "1"}).exit_code, 0);
   write_scene("still.toml",
@@ -192,6 +194,7 @@ TEST_F(PropertyFilm, WhatCannotBeFilmedIsRefused) {
 }
 
 TEST_F(PropertyFilm, AnExrOfAFilmHasMotionAndNumbers) {
+  RUN_WHEN_SANITIZED();
   const std::string path = film_exr();
   EXPECT_EQ(channel_of(path, "Z").size(), 48u * 40);
   // Twice as large and seen further from the left in each frame: what is in front, the middle of

@@ -141,6 +141,7 @@ struct BodyWithHistory {
 }  // namespace
 
 TEST(PropertyIncrementalCutInversion, AfterEveryCutDragUndoAndRedoItHasTheBitsOfAnInversionAnew) {
+  LEFT_OUT_WHEN_SANITIZED();
   constexpr int kBodies = 2;
   int torn = 0;
   for (int n = 0; n < kBodies; ++n) {
@@ -175,6 +176,7 @@ TEST(PropertyIncrementalCutInversion, AfterEveryCutDragUndoAndRedoItHasTheBitsOf
 /// Moves of single voxels and of small balls beside cuts that gape, across the borders of bricks,
 /// at the surface as well as within: each is seen in few bricks, and by little.
 TEST(PropertyIncrementalCutInversion, SmallMovesBesideGapingCutsLeaveTheBitsOfAnInversionAnew) {
+  LEFT_OUT_WHEN_SANITIZED();
   constexpr int kBodies = kSanitized ? 1 : 4, kSteps = kSanitized ? 20 : 40;
   const BrickTopology elements = box_topology({0, 0, 0}, {25, 17, 16});
   const BrickTopology shell = dilate(elements, 2);
