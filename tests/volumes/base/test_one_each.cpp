@@ -103,15 +103,15 @@ TEST(UnitVoxel, TheNearestOneOfAHalfIsAwayFromZeroAndOfTheFarthestStaysANumber) 
 }
 
 TEST(UnitSimd, PacksAreLoadedFromAnyAddressAndComparedLaneByLane) {
-  const float values[9] = {9, 0, 1, 2, 3, 4, 5, 6, 7};
-  using Eight = Pack<float, 8>;
-  const auto pack = load_pack<Eight>(values + 1);
-  const Eight low = lanes_min(pack, Eight{} + 3.0f), high = lanes_max(pack, Eight{} + 3.0f);
-  for (int n = 0; n < 8; ++n) {
-    EXPECT_EQ(low[n], std::min(float(n), 3.0f));
-    EXPECT_EQ(high[n], std::max(float(n), 3.0f));
+  const float values[5] = {9, 0, 1, 2, 3};
+  using Four = Pack<float, 4>;
+  const auto pack = load_pack<Four>(values + 1);
+  const Four low = lanes_min(pack, Four{} + 2.0f), high = lanes_max(pack, Four{} + 2.0f);
+  for (int n = 0; n < 4; ++n) {
+    EXPECT_EQ(low[n], std::min(float(n), 2.0f));
+    EXPECT_EQ(high[n], std::max(float(n), 2.0f));
   }
-  const Pack<double, 4> cut = truncated(Pack<double, 4>{1.9, -1.9, 0.5, -3});
+  const Four cut = truncated(Four{1.9f, -1.9f, 0.5f, -3});
   EXPECT_TRUE(cut[0] == 1 && cut[1] == -1 && cut[2] == 0 && cut[3] == -3);
 }
 
