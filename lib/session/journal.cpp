@@ -1,6 +1,7 @@
 #include "lib/session/journal.h"
 
 #include "lib/material/material_file.h"
+#include "lib/session/step_model.h"
 #include "volumes/base/json.h"
 #include "volumes/base/version.h"
 
@@ -100,16 +101,8 @@ Value to_value(const StepRecord& record) {
     if (!record.relax->poisson) step["relax"].erase("poisson");
     if (record.relax->budget_million == 0) step["relax"].erase("budget_million");
   }
-  if (record.springs) {
-    step["springs"] = settings_value(*record.springs);
-  }
-  if (record.fem) {
-    step["fem"] = settings_value(*record.fem);
-    step["fem"]["iterations"] = record.equilibrium.report.iterations;
-    step["fem"]["residual_max"] = record.equilibrium.report.residual_max;
-    step["fem"]["force_balance"] = record.equilibrium.report.force_balance;
-    step["fem"]["energy_identity"] = record.equilibrium.report.energy_identity;
-  }
+  const StepModel& model = model_of(record);
+  if (model.settings) step[model.name] = model.settings(record);
   step["fraction"] = std::to_string(record.report.fraction_numerator) + "/" +
                      std::to_string(record.report.fraction_denominator);
   return step;

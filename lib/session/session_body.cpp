@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "lib/session/handles/drag_handles.h"
+#include "lib/session/step_model.h"
 #include "volumes/base/error.h"
 
 namespace supple {
@@ -56,7 +57,7 @@ std::vector<Handle> SessionBody::handles_of(const Step& request,
                                             double part) const {
   const bool has_edges = std::any_of(request.drags.begin(), request.drags.end(),
                                      [](const Drag& drag) { return drag.soft_mm > 0; });
-  const bool is_pushed = !request.springs && !request.fem && request.limits != Limits::ball;
+  const bool is_pushed = model_of(request).knows_pushes && request.limits != Limits::ball;
   const std::vector<Region> regions = regions_of(request);
   const bool goes_on = walk && !walk->earlier.empty();
   SlotSet taken;

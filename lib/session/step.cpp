@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lib/session/handles/handle_path.h"
+#include "lib/session/step_model.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
@@ -65,9 +66,8 @@ void check_places(const Step& step, const Geometry& geometry) {
   for (const Drag& handle : step.drags) {
     const auto box = handle.placed ? box_of(*handle.placed, geometry) : std::nullopt;
     if (box) require_meets_volume(*box, step.place, "grab", geometry);
-    if ((step.springs || step.fem) && handle.pushes) {
-      throw InputError({step.place, "push",
-                        std::string("a push handle beside ") + (step.fem ? "fem" : "springs"),
+    if (handle.pushes && !model_of(step).knows_pushes) {
+      throw InputError({step.place, "push", "a push handle beside " + model_of(step).name,
                         "handles that hold what they grab"});
     }
   }
@@ -93,8 +93,8 @@ Step on_grid(const Step& step, const Geometry& geometry, double time) {
 
 bool Step::does_nothing() const {
   return drags.empty() && fix.empty() && !release && cuts.empty() && remove.empty() &&
-         rigid.empty() && retract.empty() && !relax && !springs && !fem && !material &&
-         !turn_pieces && limits != Limits::tighten;
+         rigid.empty() && retract.empty() && !relax && !springs && !fem && !own.has_value() &&
+         !material && !turn_pieces && limits != Limits::tighten;
 }
 
 bool Step::is_animated() const {

@@ -1,6 +1,7 @@
 // One step of a session, from a file or a program to the solvers, and the record of its results.
 #pragma once
 
+#include <any>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,7 @@ struct Step {
   bool no_relax = false;
   std::optional<SpringStep> springs = {};  // instead of both
   std::optional<FemStep> fem = {};         // likewise
+  std::any own = {};  // likewise: settings of a model that was added (step_model.h)
   /// Free rigid pieces shift with the drag and do not turn, where that allows the whole drag; it is
   /// found in a twentieth of the time. They turn in the next step of ECM without it, by the
   /// smallest motion from where they were before all their shifts.
@@ -108,6 +110,7 @@ struct StepRecord : Step {
   RelaxReport relaxed;                    // when the step relaxes
   SpringRecord sprung;                    // when springs move it
   FemRecord equilibrium;                  // when finite elements do
+  Value own_report;                       // when a model that was added does
   std::vector<HandleReaction> reactions;  // of all handles that are held, at its end
   std::optional<TightenReport> tightened;
 };

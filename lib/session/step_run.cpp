@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "lib/session/body_changes.h"
+#include "lib/session/step_model.h"
 #include "lib/session/step_task.h"
 #include "lib/session/step_warnings.h"
 #include "volumes/base/text.h"
@@ -88,34 +89,12 @@ void let_go(Holds& holds, const SlotSet& set) {
 
 bool is_relaxed_by_default(const Step& step, const MaterialTable& material) {
   return material.relaxes && !step.no_relax && !step.relax && !step.drags.empty() &&
-         !step.springs && !step.fem && step.limits != Limits::ball;
-}
-
-void check_model_of_pieces(const SessionBody& in, const Step& step) {
-  if (!step.retract.empty() && (step.springs || step.limits == Limits::ball)) {
-    throw InputError({step.retract.front().place, "retract",
-                      step.springs ? "beside springs" : "beside limits = \"ball\"",
-                      "a step of ECM with box limits, or of finite elements"});
-  }
-  if (in.body.rigid.empty()) return;
-  if (step.limits != Limits::box) {
-    throw InputError({"", "limits", step.limits == Limits::ball ? "ball" : "tighten",
-                      "box, in a body with rigid pieces"});
-  }
-  if (!step.springs) return;
-  for (const Region& region : in.regions_of(step)) {
-    elements_of(in.body, region, "grab").for_each([&](Slot slot) {
-      if (in.body.rigid.at(slot) < 0) return;
-      throw InputError({"", "grab " + region.name(),
-                        "voxel " + voxel_text(voxel_of(in.body.elements, slot)) +
-                            " of a rigid piece, which springs hold",
-                        "tissue; pieces move in steps without springs"});
-    });
-  }
+         !has_own_model(step) && step.limits != Limits::ball;
 }
 
 /// A step on its way through its poses.
 struct StepRun {
+  const StepModel& model;
   SessionBody& in;
   const std::vector<StepRecord>& earlier;
   StepRecord& record;
@@ -123,7 +102,7 @@ struct StepRun {
   void move(Progress* progress) const {
     std::vector<PieceMotion> pieces = in.motions_of(record);
     const std::vector<PieceMotion> asked = pieces;
-    const double part = record.fem ? shorten_for_bones(in, pieces, record, progress) : 1;
+    const double part = model.shorten ? model.shorten(in, pieces, record, progress) : 1;
     const std::vector<Handle> handles = in.handles_of(record, asked, part);
     HandleLedger ledger = in.walk ? in.walk->ledger : in.ledger;
     ledger.add(int(earlier.size()) + 1, handles, in.body);
@@ -135,10 +114,7 @@ struct StepRun {
     }
     static const FemNodes none;
     const FemNodes& nodes = earlier.empty() ? none : earlier.back().equilibrium.nodes;
-    const ModelTask task{{in, handles, pieces, record, progress}, ledger, nodes};
-    record.springs ? move_by_springs(task)
-    : record.fem   ? move_by_elements(task)
-                   : move_by_chainmail(task);
+    model.run({{in, handles, pieces, record, progress}, ledger, nodes});
     in.ledger = std::move(ledger);
   }
 
@@ -183,7 +159,12 @@ void run_step(SessionBody& in, const std::vector<StepRecord>& earlier, StepRecor
   if (!has_new_elements) in.check_elements(record);
   prepare_body(in, record, progress);
   if (has_new_elements) in.check_elements(record);
-  check_model_of_pieces(in, record);
+  const StepModel& model = model_of(record);
+  if (model.check) model.check(record, in);
+  if (!in.body.rigid.empty() && record.limits != Limits::box) {
+    throw InputError({"", "limits", record.limits == Limits::ball ? "ball" : "tighten",
+                      "box, in a body with rigid pieces"});
+  }
   note_of_links(record, in.body.slacks.links(), progress);
   if (is_relaxed_by_default(record, in.material)) {
     record.relax = tissue_relaxation(in.material.relaxes_by_poisson);
@@ -197,7 +178,7 @@ void run_step(SessionBody& in, const std::vector<StepRecord>& earlier, StepRecor
     warn_of_missed_pieces(in.body, anchored_elements(in.body, in.anchors, in.holds), grabbed,
                           progress);
   }
-  const StepRun run{in, earlier, record};
+  const StepRun run{model, in, earlier, record};
   if (poses_of(record.drags) > 1) {
     run.follow_ways(progress);
   } else {

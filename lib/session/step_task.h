@@ -1,16 +1,13 @@
-// One solve of a step, which goes from model to contact to drag.
+// One solve of a step.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <vector>
 
 #include "lib/session/session_body.h"
 
 namespace supple {
 
-class CutContact;
-
+/// Handles and pieces on their way.
 struct StepTask {
   SessionBody& in;
   const std::vector<Handle>& handles;
@@ -19,40 +16,20 @@ struct StepTask {
   Progress* progress;
 };
 
-inline bool is_whole(const EcmReport& report) {
-  return report.fraction_numerator == report.fraction_denominator;
-}
-
-/// Drags by Enhanced ChainMail or within ball limits, free rigid pieces included, as if nothing met
-/// (ecm_drag.cpp).
-void drag_freely(const StepTask& task);
-/// Does the drag of which the record tells, with free pieces at these poses, which nothing holds
-/// then.
-void move_with(const StepTask& task, const std::vector<Handle>& handles,
-               const std::vector<FreePose>& poses);
-
-/// Drags with bones and the sides of cuts kept apart (step_contact.cpp). Returns their contact, or
-/// null.
-std::unique_ptr<CutContact> drag_apart(const StepTask& task);
-/// Makes the contact; none where no cut can close, or nothing is to be kept apart.
-std::unique_ptr<CutContact> contact_of(SessionBody& in, const Step& step);
-
-/// For finite elements, which know no contact: the part of the handles' way that bones leave each
-/// other while all others stay. `pieces` go that part.
-double shorten_for_bones(SessionBody& in, std::vector<PieceMotion>& pieces, StepRecord& record,
-                         Progress* progress);
-/// Finds, each time, the free pieces that finite elements have led into others by now: where each
-/// meets the first of these, which takes it along from there. The record tells of all. Null where
-/// pieces may pass through each other.
-std::function<std::vector<FreePose>(bool is_last)> keeping_apart(const StepTask& task);
-
-/// A model moves the body (model_moves.cpp).
+/// Work of a model (step_model.h).
 struct ModelTask : StepTask {
   const HandleLedger& ledger;
   const FemNodes& nodes;  // of the step before
+
+  /// The elements of handles whose reactions are wanted.
+  std::vector<SlotSet> told() const {
+    return record.tells_reactions ? ledger.elements() : std::vector<SlotSet>();
+  }
+  /// Nothing of a relaxation or a shift before is left.
+  void start_anew() const {
+    in.relaxed_by = {};
+    in.forget_shifts();
+  }
 };
-void move_by_chainmail(const ModelTask& task);
-void move_by_springs(const ModelTask& task);
-void move_by_elements(const ModelTask& task);
 
 }  // namespace supple

@@ -1,9 +1,11 @@
 // supple keys: the keys of the tables of a scene, and the options that stand for them.
 #include <algorithm>
 #include <cstdio>
+#include <deque>
 #include <set>
 
 #include "lib/session/file/cut_keys.h"
+#include "lib/session/step_model.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/file/live_event.h"
@@ -26,6 +28,17 @@ struct KeyTable {
   Fields fields;
 };
 
+/// The table of each model in a step.
+void add_models(std::vector<KeyTable>& tables) {
+  static std::deque<Step> steps;
+  for (const StepModel& model : step_models()) {
+    if (!model.fields) continue;
+    model.choose(steps.emplace_back());
+    tables.push_back({model.name, model.name + " = { … } of a [[step]]", model.options,
+                      model.fields(steps.back())});
+  }
+}
+
 std::vector<KeyTable> all_tables() {
   static ReadOptions read;
   static Step step;
@@ -39,8 +52,6 @@ std::vector<KeyTable> all_tables() {
   static CameraKey camera_key;
   static Retraction retract;
   static RelaxParams relax;
-  static SpringStep springs;
-  static FemStep fem;
   static ModeStep modes;
   static MotionStep fem_motion;
   static FemLoad force, pressure;
@@ -51,30 +62,34 @@ std::vector<KeyTable> all_tables() {
   static SliceChoice slice;
   static Clip clip;
   static Light light;
-  return {{"volume", "[volume]", "", fields(read)},
-          {"step", "[[step]]", "", fields(step, step_keys)},
-          {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "", fields(placed)},
-          {"motion", "handles = [{ … }] of a [[step]]", "", fields(handle)},
-          {"path", "path = [{ … }] of a handle", "", fields(pose)},
-          {"function", "[path] of a scene and path = { … } of a [[view]]", "", fields(function)},
-          {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
-          {"plane", "plane = { … } of a cut", "", plane_fields(plane)},
-          {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
-          {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
-          {"springs", "springs = { … } of a [[step]]", "springs-", fields(springs)},
-          {"fem", "fem = { … } of a [[step]]", "", fields(fem)},
-          {"modes", "modes = { … } of fem", "", fields(modes)},
-          {"fem_motion", "motion = { … } of fem", "", fields(fem_motion)},
-          {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
-          {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
-           load_fields(pressure)},
-          {"view", "[[view]]", "", fields(view)},
-          {"camera_path", "camera_path = [{ … }] of a [[view]]", "", fields(camera_key)},
-          {"film", "[film]", "", fields(film)},
-          {"event", "[[event]] of a journal", "", fields(event)},
-          {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
-          {"clip", "clip = [{ … }] of a [[view]]", "clip-", tools::fields(clip)},
-          {"light", "light = [{ … }] of a [[view]]", "", tools::fields(light)}};
+  std::vector<KeyTable> tables = {
+      {"volume", "[volume]", "", fields(read)},
+      {"step", "[[step]]", "", fields(step, step_keys)},
+      {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "", fields(placed)},
+      {"motion", "handles = [{ … }] of a [[step]]", "", fields(handle)},
+      {"path", "path = [{ … }] of a handle", "", fields(pose)},
+      {"function", "[path] of a scene and path = { … } of a [[view]]", "", fields(function)},
+      {"retract", "retract = [{ … }] of a [[step]]", "", fields(retract)},
+      {"plane", "plane = { … } of a cut", "", plane_fields(plane)},
+      {"curve", "curve = { … } of a cut", "", curve_fields(curve)},
+      {"relax", "relax = { … } of a [[step]]", "relax-", fields(relax)},
+  };
+  add_models(tables);
+  const std::vector<KeyTable> more = {
+      {"modes", "modes = { … } of fem", "", fields(modes)},
+      {"fem_motion", "motion = { … } of fem", "", fields(fem_motion)},
+      {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
+      {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
+       load_fields(pressure)},
+      {"view", "[[view]]", "", fields(view)},
+      {"camera_path", "camera_path = [{ … }] of a [[view]]", "", fields(camera_key)},
+      {"film", "[film]", "", fields(film)},
+      {"event", "[[event]] of a journal", "", fields(event)},
+      {"slice", "slice = { … } of a [[view]]", "", fields(slice)},
+      {"clip", "clip = [{ … }] of a [[view]]", "clip-", tools::fields(clip)},
+      {"light", "light = [{ … }] of a [[view]]", "", tools::fields(light)}};
+  tables.insert(tables.end(), more.begin(), more.end());
+  return tables;
 }
 
 std::string kind_of(const Field& field) {

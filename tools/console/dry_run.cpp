@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "lib/session/step_model.h"
 #include "tools/console/command.h"
 #include "tools/console/result_lines.h"
 #include "tools/scene/plan/memory_need.h"
@@ -29,10 +30,9 @@ void print_scene(const Scene& scene, const std::string& folder, const SceneRun& 
     std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
                 step.drags.size(), fixed_count(step), step.cuts.size(),
                 step.release ? ", releases" : "",
-                step.relax     ? ", relaxes"
-                : step.springs ? ", springs"
-                : step.fem     ? ", finite elements"
-                               : "");
+                step.relax            ? ", relaxes"
+                : has_own_model(step) ? (", " + model_of(step).title).c_str()
+                                      : "");
     print_places(run.session()->places(step));
   }
   for (const std::string& name : scene.outputs()) {
@@ -49,9 +49,10 @@ Value scene_json(const Scene& scene, const std::string& folder, const SceneRun& 
                              {"fix", fixed_count(step)},
                              {"cuts", step.cuts.size()},
                              {"release", step.release},
-                             {"relax", step.relax.has_value()},
-                             {"springs", step.springs.has_value()},
-                             {"fem", step.fem.has_value()}});
+                             {"relax", step.relax.has_value()}});
+    for (std::size_t n = 1; n < step_models().size(); ++n) {
+      json["steps"].back()[step_models()[n].name] = step_models()[n].moves(step);
+    }
   }
   json["outputs"] = Value::list();
   for (const std::string& name : scene.outputs()) json["outputs"].push_back(path_in(folder, name));

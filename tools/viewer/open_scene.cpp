@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/session/step_model.h"
 #include "tools/scene/live/first_anchor.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/pictures/jpeg.h"
@@ -144,7 +145,7 @@ void OpenScene::begins() {
 
 /// Springs pay for every place of a drag: long ones are refused once, with the price, then taken.
 void OpenScene::check(const LiveEvent& event) {
-  if (event.kind != EventKind::model || !event.step.springs) return;
+  if (event.kind != EventKind::model || model_of(event.step).waits_for_hands) return;
   const auto price = price_of(event, m_live.session());
   if (!price || price->seconds <= kMostDrag_s || m_warned_model == event.step.keys) return;
   m_warned_model = event.step.keys;

@@ -7,6 +7,7 @@
 #include "lib/material/presets.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/spring_step.h"
+#include "lib/session/step_model.h"
 #include "tools/scene/run/reports.h"
 #include "tools/viewer/saving.h"
 #include "volumes/base/value.h"
@@ -96,20 +97,30 @@ Value options_json(const Fields& fields) {
   return json;
 }
 
+/// The menu of models, and whether each has keys.
+Value models_json() {
+  Value json = Value::list();
+  for (const StepModel& model : step_models()) {
+    json.push_back({{"name", model.name}, {"title", model.menu}, {"has_keys", bool(model.fields)}});
+  }
+  return json;
+}
+
 Value options_of(const std::string& kind) {
   if (kind == "relax") {
     RelaxParams params;
     return options_json(fields(params));
   }
-  if (kind == "springs") {
-    SpringStep step;
-    return options_json(fields(step));
-  }
-  if (kind == "fem") {
-    FemStep step;
-    step.params.set_accuracy(FemAccuracy::picture);  // which a page is for
-    step.links_beyond = LinksBeyond::keep;
-    return options_json(fields(step));
+  if (kind == "models") return models_json();
+  for (const StepModel& model : step_models()) {
+    if (kind != model.name || !model.fields) continue;
+    Step step;
+    model.choose(step);
+    if (step.fem) {
+      step.fem->params.set_accuracy(FemAccuracy::picture);  // which a page is for
+      step.fem->links_beyond = LinksBeyond::keep;
+    }
+    return options_json(model.fields(step));
   }
   if (kind == "save") {
     SaveRequest request;
@@ -119,7 +130,7 @@ Value options_of(const std::string& kind) {
     SliceSettings slices;
     return options_json(fields(slices));
   }
-  throw InputError({"options", "kind", "'" + kind + "'", "relax, springs, fem, save or slices"});
+  throw InputError({"options", "kind", "'" + kind + "'", "models, relax, a model, save or slices"});
 }
 
 Value presets_json() {

@@ -200,8 +200,7 @@ Value OpenScene::body_description() {
   scene["redo"] = history_json(history.undone);
   const char* const limits[] = {"box", "ball", "tighten"};
   scene["limits"] = limits[std::size_t(m_live.limits())];
-  const char* const models[] = {"ecm", "springs", "fem"};
-  scene["model"] = models[std::size_t(m_live.model())];
+  scene["model"] = m_live.model().name;
   scene["relaxing"] = m_live.passes_left();
   scene["settling"] = m_live.has_more();
   scene["relaxes"] = session.material().relaxes;

@@ -5,30 +5,30 @@
 #include "lib/session/file/fem_keys.h"
 #include "lib/session/file/handle_keys.h"
 #include "lib/session/file/spring_keys.h"
+#include "lib/session/step_model.h"
 
 namespace supple {
 
 namespace {
 
-/// The table of a model; `read` of one that is left out gives the defaults.
-template <class Settings, class Read>
-std::optional<Settings> read_own_keys(Table& table, const std::string& name, bool is_chosen,
-                                      Read&& read) {
+/// Refuses the table of a model that does not move the body.
+void require_no_table(Table& table, const std::string& name) {
   auto own = table.table(name);
-  if (!is_chosen) {
-    if (own) {
-      const std::vector<std::string> keys = own->keys();
-      own->fail(keys.empty() ? "" : keys.front(), name + " without its model",
-                "model = \"" + name + '"');
-    }
-    return std::nullopt;
+  if (!own) return;
+  const std::vector<std::string> keys = own->keys();
+  own->fail(keys.empty() ? "" : keys.front(), name + " without its model",
+            "model = \"" + name + '"');
+}
+
+void read_own(Table& table, const LabelNames& names, const StepModel& model, Step& step) {
+  if (step.springs) {
+    step.springs = read_spring_step(table);
+  } else if (step.fem) {
+    step.fem = read_fem(table, names);
+  } else {
+    table.read(model.fields(step));
+    table.finish();
   }
-  for (const char* key : {"relax", "limits"}) {
-    if (table.has(key)) {
-      table.fail(key, std::string(key) + " beside " + name, "a step of its own for it");
-    }
-  }
-  return own ? read(*own) : Settings();
 }
 
 RelaxParams read_relax(Table& table) {
@@ -71,13 +71,24 @@ Retraction read_retraction(Table& table) {
   return retraction;
 }
 
+Field model_field(StepKeys& keys) {
+  const std::deque<StepModel>& models = step_models();
+  std::vector<std::string> names;
+  std::string help = "What moves the body: ";
+  for (std::size_t n = 0; n < models.size(); ++n) {
+    const bool is_last = n + 1 == models.size();
+    names.push_back(models[n].name);
+    help += (n == 0 ? "" : is_last ? ", or " : ", ") + models[n].title;
+  }
+  help += " (docs/models)";
+  return {"model", keys.model, std::move(names), help.c_str()};
+}
+
 }  // namespace
 
 Fields fields(Step& step, StepKeys& keys) {
   return {
-      Field("model", keys.model, {"ecm", "springs", "fem"},
-            "What moves the body: Enhanced ChainMail, springs, or finite elements "
-            "(docs/models)"),
+      model_field(keys),
       Field("limits", step.limits, {"box", "ball", "tighten"},
             "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
             "narrower across stretched links"),
@@ -98,11 +109,22 @@ Fields fields(Step& step, StepKeys& keys) {
   };
 }
 
-void read_model(Table& table, const LabelNames& names, StepModel model, Step& step) {
-  step.springs =
-      read_own_keys<SpringStep>(table, "springs", model == StepModel::springs, read_spring_step);
-  step.fem = read_own_keys<FemStep>(table, "fem", model == StepModel::fem,
-                                    [&](Table& fem) { return read_fem(fem, names); });
+void read_model(Table& table, const LabelNames& names, int chosen, Step& step) {
+  const std::deque<StepModel>& models = step_models();
+  for (std::size_t n = 1; n < models.size(); ++n) {
+    const StepModel& model = models[n];
+    if (int(n) != chosen) {
+      require_no_table(table, model.name);
+      continue;
+    }
+    auto own = table.table(model.name);
+    for (const char* key : {"relax", "limits"}) {
+      if (!table.has(key)) continue;
+      table.fail(key, std::string(key) + " beside " + model.name, "a step of its own for it");
+    }
+    model.choose(step);
+    if (own) read_own(*own, names, model, step);
+  }
 }
 
 MaterialTable read_material_choice(Table& table, const LabelNames& names, std::string* path) {

@@ -10,20 +10,19 @@
 
 namespace supple {
 
-enum class StepModel { ecm, springs, fem };
-
 /// Keys of a [[step]] that choose among members of a Step.
 struct StepKeys {
-  StepModel model = StepModel::ecm;
+  int model = 0;                          // in step_models()
   std::optional<NumberPair> fix_density;  // an anchor
 };
-/// Keys of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax,
-/// springs, fem.
+/// Keys of a [[step]], but for its lists and tables: handles, fix, cut, remove, rigid, relax, and
+/// those of models.
 Fields fields(Step& step, StepKeys& keys);
 
-/// Reads `springs` or `fem` of the step, unless the model is ECM; without a table its defaults.
-/// Throws InputError for the table of another model, and for relax or limits beside one.
-void read_model(Table& table, const LabelNames& names, StepModel model, Step& step);
+/// Reads the table of a model of step_models(), by its place there, unless it is ECM; without a
+/// table its defaults. Throws InputError for the table of another model, and for relax or limits
+/// beside one.
+void read_model(Table& table, const LabelNames& names, int chosen, Step& step);
 
 /// A table [material], or one of a step: a file or the keys of one. `path`: gets the file's.
 MaterialTable read_material_choice(Table& table, const LabelNames& names,

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <map>
 
+#include "lib/session/step_model.h"
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
 #include "tools/console/dry_run.h"
@@ -201,6 +202,8 @@ void print_deform(const Session& session, const Step& step,
     print_springs(record.sprung);
   } else if (record.fem) {
     print_fem(record.equilibrium);
+  } else if (!record.own_report.is_null()) {
+    std::printf("%-15s %s\n", model_of(record).title.c_str(), json_text(record.own_report).c_str());
   } else if (!step.drags.empty()) {
     print_solve(record);
   }
@@ -266,8 +269,6 @@ Command add_deform(CLI::App& program) {
   Step step;
   StepKeys keys;
   RelaxParams relax;
-  SpringStep springs;
-  FemStep fem;
   SceneOptions& scene = options->scene;
   scene.add("volume", fields(read));
   scene.add("labels", {});
@@ -290,8 +291,11 @@ Command add_deform(CLI::App& program) {
                 "Handles only push: they move tissue ahead of them, not back");
   scene.add("step", fields(step, keys));
   scene.add("step.relax", fields(relax), "relax-");
-  scene.add("step.springs", fields(springs), "springs-");
-  scene.add("step.fem", option_fields(fem));
+  for (const StepModel& model : step_models()) {
+    if (!model.option_fields) continue;
+    model.choose(step);
+    scene.add("step." + model.name, model.option_fields(step), model.options);
+  }
   scene.add("output", {});
   app->add_option("--contact", options->contacts,
                   "A shape that springs meet, as contacts of scenes; repeatable")

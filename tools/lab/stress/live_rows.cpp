@@ -91,7 +91,7 @@ struct LiveFaults {
 };
 
 bool keeps_limits(const LiveSession& live, EventKind kind) {
-  if (live.model() == StepModel::springs) return false;
+  if (live.model().name == "springs") return false;
   return kind == EventKind::relax || (kind == EventKind::drag && live.limits() == Limits::box);
 }
 

@@ -2,7 +2,7 @@
 // for the source of every sample, half a voxel apart. Everything else of the views stays.
 #pragma once
 
-#include "tools/scene/file/knob_family.h"
+#include "lib/model/knob_family.h"
 #include "tools/scene/file/scene.h"
 
 namespace supple::tools {

@@ -3,6 +3,7 @@
 #include "lib/session/file/cut_keys.h"
 #include "lib/session/file/handle_keys.h"
 #include "lib/session/file/step_keys.h"
+#include "lib/session/step_model.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {
@@ -54,7 +55,7 @@ void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
 void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
   StepKeys keys;
   const Fields all = fields(event.step, keys);
-  table.require(table.string("model"), "model", "\"ecm\", \"springs\" or \"fem\"");
+  table.require(table.string("model"), "model", model_names("\""));
   table.read({all.front()});
   read_model(table, names, keys.model, event.step);
   if (!event.step.fem || (!event.step.fem->modes && !event.step.fem->motion)) return;

@@ -1,142 +1,17 @@
 #include "tools/scene/file/step_method.h"
 
-#include <algorithm>
-
-#include "lib/fem/voxel/fem.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {
 
-namespace {
-
-/// Time that springs have to follow their handles and come to rest. Short of a second they still
-/// swing, in which case their error says so.
-constexpr double kSpringTime_s = 1.0;
-constexpr double kFineTolerance = 1e-6;
-
-void by_box(Step&, double) {}
-void by_ball(Step& step, double) {
-  step.limits = Limits::ball;
-}
-void by_relaxation(Step& step, double passes) {
-  step.no_relax = false;
-  step.relax = RelaxParams();
-  step.relax->passes = int(passes);
-}
-void by_elastic_relaxation(Step& step, double passes) {
-  by_relaxation(step, passes);
-  step.relax->poisson = true;
-}
-void by_springs_at_rest(Step& step, double steps) {
-  step.springs = SpringStep();
-  step.springs->motion.minimise = true;
-  step.springs->most_steps = int(steps);
-}
-template <SpringMethod integrator>
-void by_springs(Step& step, double steps) {
-  step.springs = SpringStep();
-  step.springs->motion.method = integrator;
-  step.springs->time_s = kSpringTime_s;
-  step.springs->motion.step_s = kSpringTime_s / steps;
-}
-void by_fem(Step& step, double tolerance) {
-  if (!step.fem) step.fem.emplace();
-  step.fem->params.set_accuracy(FemAccuracy::exact);  // from rest, whatever came before
-  step.fem->params.tolerance = tolerance;
-  step.fem->params.reaction_tolerance = std::max(1e-9, tolerance);
-  step.fem->params.max_iterations = 5000;
-}
-
-/// Elements of parts of a voxel say how far those of whole voxels are from their limit.
-void by_fine_fem(Step& step, double halvings) {
-  by_fem(step, kFineTolerance);
-  step.fem->halvings = int(halvings);
-}
-
-/// The best that elements of several voxels can do; their own error is far larger.
-void by_coarse_fem(Step& step, double doublings) {
-  constexpr double kCoarseTolerance = 1e-4;
-  by_fem(step, kCoarseTolerance);
-  step.fem->params.doublings = int(doublings);
-}
-
-/// Solves the same elements, but for their dilatation, by another program.
-void by_calculix(Step& step, double solver) {
-  by_fem(step, kFineTolerance);
-  step.fem->params.solver = EquationSolver(int(solver));
-}
-
-/// Solves the same elements by a library for any equations.
-void by_dolfinx(Step& step, double tolerance) {
-  by_fem(step, tolerance);
-  step.fem->params.solver = EquationSolver::dolfinx;
-}
-
-bool is_by_fem(const MethodFamily& family) {
-  return family.solve == by_fem || family.solve == by_fine_fem || family.solve == by_coarse_fem ||
-         family.solve == by_calculix || family.solve == by_dolfinx;
-}
-
-const std::vector<double> kPasses = {1, 4, 16, 64, 256, 1024};
-
-}  // namespace
-
 const std::vector<MethodFamily>& method_families() {
-  constexpr int kMostSteps = SpringStep::kMostSteps;
-  static const std::vector<MethodFamily> families = {
-      {{"ecm", "ECM", "links", 6, 26, true, {6, 18, 26}, true}, kKnobLinks, by_box},
-      {{"ecm-ball", "ECM, ball limits", "links", 6, 6, true, {6}, true}, kKnobLinks, by_ball},
-      {{"relax-6", "relaxed, 6 links", "passes", 1, kMaxPasses, true, kPasses}, 6, by_relaxation},
-      {{"relax-18", "relaxed, 18 links", "passes", 1, kMaxPasses, true, kPasses},
-       18,
-       by_relaxation},
-      {{"relax-26", "relaxed, 26 links", "passes", 1, kMaxPasses, true, kPasses},
-       26,
-       by_relaxation},
-      {{"relax-poisson", "relaxed, volume by \u03bd", "passes", 1, kMaxPasses, true, kPasses},
-       6,
-       by_elastic_relaxation},
-      {{"springs", "springs, to rest", "steps", 1, kMostSteps, true, {2, 8, 32, 128}},
-       0,
-       by_springs_at_rest},
-      {{"springs-implicit", "implicit Euler, 1 s", "steps", 1, kMostSteps, true, {2, 8, 32}},
-       0,
-       by_springs<SpringMethod::implicit>},
-      {{"springs-projective", "projective dyn., 1 s", "steps", 1, kMostSteps, true, {2, 8, 32}},
-       0,
-       by_springs<SpringMethod::projective>},
-      {{"springs-xpbd", "XPBD, 1 s", "steps", 1, kMostSteps, true, {8, 32}},
-       0,
-       by_springs<SpringMethod::xpbd>},
-      {{"springs-symplectic", "symplectic Euler, 1 s", "steps", 1, kMostSteps, true, {32}},
-       0,
-       by_springs<SpringMethod::symplectic>},
-      {{"fem",
-        "finite elements",
-        "tolerance",
-        1e-12,
-        0.5,
-        false,
-        {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8}},
-       0,
-       by_fem},
-      {{"fem-coarse",
-        "elements of 2, 4, 8 voxels",
-        "doublings",
-        1,
-        kMostDoublings,
-        true,
-        {1, 2, 3}},
-       0,
-       by_coarse_fem},
-      {{"fem-fine", "elements of parts of a voxel", "halvings", 1, kMostHalvings, true, {1}},
-       0,
-       by_fine_fem},
-      {{"calculix", "CalculiX: direct, iterative", "solver", 1, 2, true, {2, 1}}, 0, by_calculix},
-      {{"dolfinx", "DOLFINx with GAMG", "tolerance", 1e-12, 0.5, false, {1e-4, 1e-6}},
-       0,
-       by_dolfinx},
-  };
+  static const std::vector<MethodFamily> families = [] {
+    std::vector<MethodFamily> all;
+    for (const StepModel& model : step_models()) {
+      for (const ModelMethod& method : model.methods) all.push_back({method, &model});
+    }
+    return all;
+  }();
   return families;
 }
 
@@ -158,7 +33,7 @@ void require_common_loads(const Step& step, const StepMethod& method) {
   const auto refuse = [&](const char* field, const char* found, const char* expected) {
     throw InputError({step.place, field, std::string(found) + " under " + method.name(), expected});
   };
-  if (step.fem && has_own_loads(*step.fem) && !is_by_fem(*method.family)) {
+  if (step.fem && has_own_loads(*step.fem) && method.family->model != &model_of(step)) {
     refuse("fem", "forces, pressures, swellings or gravity", "handles and anchors, or fem");
   }
   if (step.fem && step.fem->motion) refuse("motion", "a motion in time", "an equilibrium");
@@ -177,8 +52,7 @@ void choose_links(MaterialTable& material, const StepMethod& method) {
 bool take_loads_alone(Step& step) {
   const std::optional<FemStep> fem = step.fem;
   step.relax.reset();
-  step.springs.reset();
-  step.fem.reset();
+  take_model({}, step);
   step.limits = Limits::box;
   step.no_relax = true;
   const bool has_forces = fem && has_own_loads(*fem);

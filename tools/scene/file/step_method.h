@@ -3,19 +3,17 @@
 // stay those of the scene, so that methods are compared under one load.
 #pragma once
 
-#include "tools/scene/file/knob_family.h"
+#include "lib/session/step_model.h"
 #include "tools/scene/file/scene.h"
 
 namespace supple::tools {
 
-struct MethodFamily : KnobFamily {
-  int links;                               // of the material; 0: its own; kKnobLinks: the knob
-  void (*solve)(Step& step, double knob);  // sets what moves the body
+struct MethodFamily : ModelMethod {
+  const StepModel* model;
 };
-constexpr int kKnobLinks = -1;
 using StepMethod = KnobSetting<MethodFamily>;
 
-/// All of them, in the order of charts. A new method is one line.
+/// Those of all models (lib/session/step_model.h), in the order of charts.
 const std::vector<MethodFamily>& method_families();
 
 /// Throws InputError as parse_knob.

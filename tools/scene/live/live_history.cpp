@@ -1,5 +1,6 @@
 // The part of a live session that takes steps back, makes them again, and takes out one of them.
 
+#include "lib/session/step_model.h"
 #include "tools/scene/live/live_session.h"
 
 namespace supple::tools {
@@ -8,7 +9,7 @@ namespace supple::tools {
 /// relaxation is as many as it had slices, and what settles drags is a step of its own.
 int LiveSession::stroke_of(EventKind kind, const Step& step) {
   const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
-  const bool settles = step.turn_pieces || (step.fem && step.drags.empty());
+  const bool settles = step.turn_pieces || (model_of(step).waits_for_hands && step.drags.empty());
   if (settles && !m_done.empty() && m_done.back().kind == EventKind::drag) {
     return m_done.back().stroke;
   }

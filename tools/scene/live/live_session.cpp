@@ -122,7 +122,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       break;
     case EventKind::model:
       m_model.reset();
-      if (event.step.springs || event.step.fem) m_model = event;
+      if (has_own_model(event.step)) m_model = event;
       if (const auto price = price_of(event, *m_session)) note(progress, price->text);
       break;
     case EventKind::relax:
@@ -160,10 +160,11 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   if (handle.pushes) handle_keys["push"] = handle.placed->keys["push"] = true;
   step.no_relax = true;
   step.keys = {{"handles", Value::List{std::move(handle_keys)}}, {"no_relax", true}};
-  step.shift_pieces = !m_session->body().rigid.empty() && model() != StepModel::springs;
+  const bool is_by_model = m_model && !model().waits_for_hands;
+  step.shift_pieces = !m_session->body().rigid.empty() && !is_by_model;
   if (step.shift_pieces) step.keys["shift_pieces"] = true;
-  if (model() == StepModel::springs) {
-    step.springs = m_model->step.springs;
+  if (is_by_model) {
+    take_model(m_model->step, step);
     step.keys.update(m_model->step.keys);
   } else if (m_limits != Limits::box) {
     step.limits = m_limits;
@@ -192,7 +193,7 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   while (event.restore && is_last_a_drag() && take_back()) {
   }
   const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
-  const bool is_for_fem = was_dragged && model() == StepModel::fem;
+  const bool is_for_fem = was_dragged && model().waits_for_hands;
   const bool is_unsettled = !event.restore && (is_for_fem || m_session->has_shifted_pieces());
   if (event.all) {
     if (is_unsettled) settle_drags(progress);
@@ -263,8 +264,8 @@ void LiveSession::run(EventKind kind, const Step& step, Progress* progress) {
 void LiveSession::settle_drags(Progress* progress) {
   LiveEvent event;
   event.kind = EventKind::step;
-  if (model() == StepModel::fem) {
-    event.step.fem = m_model->step.fem;
+  if (model().waits_for_hands) {
+    take_model(m_model->step, event.step);
     event.step.keys = m_model->step.keys;
   } else {
     event.step.turn_pieces = true;
@@ -305,9 +306,8 @@ void LiveSession::stop() {
   m_is_unsettled = false;
 }
 
-StepModel LiveSession::model() const {
-  if (!m_model) return StepModel::ecm;
-  return m_model->step.fem ? StepModel::fem : StepModel::springs;
+const StepModel& LiveSession::model() const {
+  return m_model ? model_of(m_model->step) : step_models().front();
 }
 
 }  // namespace supple::tools

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "lib/session/session.h"
+#include "lib/session/step_model.h"
 #include "tools/scene/file/live_event.h"
 #include "volumes/base/value.h"
 
@@ -91,7 +92,7 @@ class LiveSession {
   /// points, nor where the opened state fixes elements.
   bool can_let_go_of_one() const;
   Limits limits() const { return m_limits; }
-  StepModel model() const;
+  const StepModel& model() const;
 
   /// The events that were carried out, as a file that replays to the same state.
   Value journal() const;
@@ -134,7 +135,7 @@ class LiveSession {
   SceneView m_view;
   Value m_view_keys, m_first_view_keys;  // the latter as opened
   std::optional<LiveEvent> m_grab;
-  std::optional<LiveEvent> m_model;     // of springs or finite elements
+  std::optional<LiveEvent> m_model;     // of another model than ECM
   int m_stroke = 0, m_grab_stroke = 0;  // the last number of all; of the drags since the grab
   Vec3d m_reached{0, 0, 0};             // by the handle that is grabbed, as `to` counts
   std::optional<LedDrag> m_led;

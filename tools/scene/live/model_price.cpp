@@ -5,10 +5,10 @@
 namespace supple::tools {
 
 std::optional<ModelPrice> price_of(const LiveEvent& model, const Session& session) {
-  if (!model.step.springs && !model.step.fem) return std::nullopt;
-  const Step request = on_grid(model.step, session.geometry());
-  const ModelPlan plan = plan_model(request, session, read_costs(calibration_file()));
-  return ModelPrice{price_text(plan, request, session), plan.seconds};
+  const Step step = on_grid(model.step, session.geometry());
+  const auto plan = plan_model(step, session.body(), read_costs(calibration_file()));
+  if (!plan) return std::nullopt;
+  return ModelPrice{price_text(*plan, step, session.body()), plan->seconds};
 }
 
 std::optional<LiveEvent> first_model(LiveSession& live) {

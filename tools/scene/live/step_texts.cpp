@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "lib/session/step_model.h"
 #include "volumes/base/json.h"
 #include "volumes/base/text.h"
 
@@ -33,7 +34,7 @@ std::string drag_text(const LiveSession::DoneStep& first, const Vec3d& way) {
   std::string text = std::string(is_push ? "push " : "drag ") + mm_text(std::sqrt(way.dot(way)));
   if (handles > 1) return text + ", " + std::to_string(handles) + " handles";
   text += " at " + place_text(first.step.drags.front().placed->keys);
-  return first.step.springs ? text + " by springs" : text;
+  return has_own_model(first.step) ? text + " by " + model_of(first.step).title : text;
 }
 
 std::string cut_text(const LiveSession::DoneStep& done) {
@@ -75,8 +76,7 @@ std::string scene_step_text(const LiveSession::DoneStep& done) {
   }
   if (!step.remove.empty()) return "parts removed";
   if (!step.retract.empty()) return "wound opened";
-  if (step.fem) return "finite elements";
-  if (step.springs) return "springs";
+  if (has_own_model(step)) return model_of(step).title;
   if (step.turn_pieces) return "turn of rigid pieces";
   if (!step.rigid.empty() || step.rigid.joint_mm > 0) {
     return "rigid pieces";

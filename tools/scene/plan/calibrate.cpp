@@ -4,17 +4,26 @@
 #include <cmath>
 #include <ctime>
 
+#include "lib/body/body_cost.h"
+#include "lib/chainmail/ecm_cost.h"
+#include "lib/fem/voxel/fem_cost.h"
 #include "lib/material/material_file.h"
+#include "lib/relax/relax_cost.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/session.h"
+#include "lib/springs/spring_cost.h"
 #include "lib/state/pose.h"
+#include "lib/state/state_cost.h"
 #include "lib/state/state_outputs.h"
+#include "raycast/march/march_cost.h"
 #include "raycast/render.h"
 #include "raycast/scene/presets.h"
 #include "volumes/base/files.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
+#include "volumes/field/inversion/inversion_cost.h"
 #include "volumes/io/load/load.h"
+#include "volumes/io/load/load_cost.h"
 #include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
@@ -114,8 +123,8 @@ void Calibration::measure_opening() {
     const Session session(m_head, options);
     elements = double(session.body().elements.active_count());
   });
-  m_costs.read_voxel = per_unit(read_ms, voxels);
-  m_costs.body_element = per_unit(std::max(0.0, open_ms - read_ms), elements);
+  m_costs.set(kReadVoxelCost, per_unit(read_ms, voxels));
+  m_costs.set(kBodyElementCost, per_unit(std::max(0.0, open_ms - read_ms), elements));
 }
 
 void Calibration::measure_drag(Session& session) {
@@ -127,7 +136,7 @@ void Calibration::measure_drag(Session& session) {
         [&] { moved = double(session.drag(middle_of(session), Vec3d(0, 6, 0)).report.moved); });
     if (moved > 0) least = std::min(least, per_unit(ms, moved));
   }
-  if (least < HUGE_VAL) m_costs.ecm_element = least;
+  if (least < HUGE_VAL) m_costs.set(kEcmElementCost, least);
 }
 
 void Calibration::measure_relaxation(const Session& session) {
@@ -144,7 +153,7 @@ void Calibration::measure_relaxation(const Session& session) {
       });
       least = std::min(least, per_unit(ms, relaxation.work() / (conserves ? 3 : 1)));
     }
-    (conserves ? m_costs.volume_element : m_costs.relax_element) = least;
+    m_costs.set(conserves ? kVolumeElementCost : kRelaxElementCost, least);
   }
 }
 
@@ -154,20 +163,21 @@ void Calibration::measure_pose(const State& at_rest, const State& moved) {
   const double rest_ms = least_ms(
       m_progress, [&] { invert_displacement(at_rest, extended_displacement_of(at_rest)); });
   // Half of it is for each of the two passes over bricks, displacement and inverse.
-  m_costs.still_brick = per_unit(rest_ms, 2 * bricks);
+  m_costs.set(kStillBrickCost, per_unit(rest_ms, 2 * bricks));
   const double extend_ms = least_ms(m_progress, [&] { u = extended_displacement_of(moved); });
   const double invert_ms = least_ms(m_progress, [&] { invert_displacement(moved, u); });
   const double voxels = double(u.u.vectors.stored_bricks()) * kBrickVoxels;
-  const double still_ms = m_costs.still_brick * bricks / kNsPerMs;
-  m_costs.displacement_voxel = per_unit(std::max(0.1 * extend_ms, extend_ms - still_ms), voxels);
-  m_costs.invert_voxel = per_unit(std::max(0.1 * invert_ms, invert_ms - still_ms), voxels);
+  const double still_ms = m_costs[kStillBrickCost] * bricks / kNsPerMs;
+  m_costs.set(kDisplacementVoxelCost,
+              per_unit(std::max(0.1 * extend_ms, extend_ms - still_ms), voxels));
+  m_costs.set(kInvertVoxelCost, per_unit(std::max(0.1 * invert_ms, invert_ms - still_ms), voxels));
 }
 
 void Calibration::measure_pictures(const State& state) {
   std::unique_ptr<Renderer> renderer;
   const double build_ms = least_ms(
       m_progress, [&] { renderer = std::make_unique<Renderer>(state.geometry, state.density); });
-  m_costs.source_brick = per_unit(build_ms, double(state.density.bricks().brick_count()));
+  m_costs.set(kSourceBrickCost, per_unit(build_ms, double(state.density.bricks().brick_count())));
   const OffsetField offsets = invert_state(state).offsets;
   renderer->set_offsets(&offsets);
   RenderSettings settings;
@@ -182,15 +192,16 @@ void Calibration::measure_pictures(const State& state) {
                      [&] { renderer->render_float(camera, preset("Bone"), settings, &report); });
     samples[n] = double(report.samples);
   }
-  m_costs.sample = per_unit(std::max(0.0, ms[1] - ms[0]), samples[1] - samples[0]);
+  m_costs.set(kSampleCost, per_unit(std::max(0.0, ms[1] - ms[0]), samples[1] - samples[0]));
   const double file_ms = least_ms(m_progress, [&] {
     write_png(m_folder / "picture.png",
               to_image(renderer->render_float(camera, preset("Bone"), settings)));
   });
   // Time beside the march: a picture's cost before it and after, its file included.
   const double rays_ms =
-      ms[0] - m_costs.sample * samples[0] / kNsPerMs + std::max(0.0, file_ms - ms[1]);
-  m_costs.ray = per_unit(std::max(0.1 * ms[0], rays_ms), double(kPictureSize) * kPictureSize);
+      ms[0] - m_costs[kSampleCost] * samples[0] / kNsPerMs + std::max(0.0, file_ms - ms[1]);
+  m_costs.set(kRayCost,
+              per_unit(std::max(0.1 * ms[0], rays_ms), double(kPictureSize) * kPictureSize));
 }
 
 void Calibration::measure_files(const State& at_rest, const State& moved) {
@@ -199,16 +210,16 @@ void Calibration::measure_files(const State& at_rest, const State& moved) {
   const double bricks = double(moved.density.bricks().brick_count());
   const double rest_ms = least_ms(m_progress, [&] { write_state(path, at_rest, rest.offsets); });
   const double moved_ms = least_ms(m_progress, [&] { write_state(path, moved, pose.offsets); });
-  m_costs.state_brick = per_unit(rest_ms, bricks);
-  m_costs.state_vector_brick =
-      per_unit(std::max(0.0, moved_ms - rest_ms), double(pose.offsets.o.vectors.stored_bricks()));
+  m_costs.set(kStateBrickCost, per_unit(rest_ms, bricks));
+  m_costs.set(kStateVectorBrickCost, per_unit(std::max(0.0, moved_ms - rest_ms),
+                                              double(pose.offsets.o.vectors.stored_bricks())));
   const double warp_ms = least_ms(m_progress, [&] {
     WarpOutput output;
     output.path = m_folder / "warp.nrrd";
     output.grid = moved.geometry;
     write_state_warp(output, moved, pose, nullptr);
   });
-  m_costs.warp_voxel = per_unit(warp_ms, double(moved.geometry.voxel_count()));
+  m_costs.set(kWarpVoxelCost, per_unit(warp_ms, double(moved.geometry.voxel_count())));
 }
 
 void Calibration::measure_motion() {
@@ -241,8 +252,8 @@ void Calibration::measure_motion() {
     const FemReport& fem = solved.equilibrium.report;
     fem_units = fem_work(double(fem.unknowns), fem.iterations);
   }
-  m_costs.spring = per_unit(springs_ms, spring_steps);
-  m_costs.fem_unknown = per_unit(fem_ms, fem_units);
+  m_costs.set(kSpringCost, per_unit(springs_ms, spring_steps));
+  m_costs.set(kFemUnknownCost, per_unit(fem_ms, fem_units));
 }
 
 UnitCosts Calibration::measure(const std::string& program) {

@@ -5,45 +5,33 @@
 #include <filesystem>
 #include <set>
 
-#include "raycast/sample/source_bricks.h"
+#include "lib/body/body_cost.h"
+#include "lib/state/state_cost.h"
+#include "raycast/march/march_cost.h"
 #include "tools/scene/plan/plan_ledger.h"
 #include "tools/scene/plan/ray_work.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/text.h"
+#include "volumes/field/inversion/inversion_cost.h"
+#include "volumes/io/load/load_cost.h"
 
 namespace supple::tools {
 
 namespace {
 
-constexpr double kGridBytes = 2300, kBodyBytes = 600;           // of a brick that is opened
-constexpr double kSourceBytes = 2 * SourceBricks::kBrickNodes;  // of a brick that rays read
-constexpr double kNodeBytes = 8748, kHalfNodeBytes = 1500;      // of a deformed one
-constexpr double kTableBytes = 75;        // of any brick in the tables of a renderer
 constexpr double kFieldTableBytes = 108;  // of any brick of a field: masks, neighbours, place
 constexpr double kPlaceBytes = 8;         // the same of a field that shares those of the body
-constexpr double kExtendBytes = 50;       // of any brick while displacements are extended
-constexpr double kInvertBytes = 600;      // of a brick that moves while it is inverted
-constexpr double kRestBytes = 30;         // of any other then
 constexpr double kStoreNs = 250;          // of a pixel that becomes a part of a PNG file
-constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
-// Bytes of a state while it is written: a brick of coordinates that moved, and any brick of
-// elements, displacements and offsets, whose values are made one after the other.
-constexpr double kMovedGridBytes = 6300, kElementGridBytes = 200, kLeafBytes = 170;
-constexpr double kPathBricks = 2.4;  // that a sampling path fills, of those of the volume
-constexpr double kSplitNs = 3e6, kSplitBytes = 350e3;  // of a brick beside a cut
-constexpr double kCutSample = 4, kCubicSample = 4;     // in usual samples
+constexpr double kPathBricks = 2.4;       // that a sampling path fills, of those of the volume
 /// Frames of a film find the memory of those before them in pieces.
 constexpr double kScatteredPart = 0.5;
 constexpr double kPathWork = 3;  // of a voxel along a path, in those of an inversion
 
-// Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file, and
-// what threads work with in an inversion and keep ready in a picture of a body that moves: measured
-// as the growth of a process that does nothing else (docs/economy.md).
+// Code and libraries that come with the first picture, dense file, OpenVDB file and HDF5 file:
+// measured as the growth of a process that does nothing else (docs/economy.md).
 constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf5Code = 9e6;
 constexpr double kLargePageBytes = 3e6;  // of the heap, beside what is in use
 constexpr double kLegendCode = 7e6;      // of what draws legends and words, and writes EXR
-constexpr double kInvertCode = 6e6, kSlotsInAdvance = 4.5e6;
-constexpr double kInvertedBytes = 100e3, kSlotBytes = 20e3;  // of a brick that moves, at the most
 
 /// Pixels of slices: an axial, a coronal and a sagittal one side by side, or those of a lightbox.
 double slice_pixels(const SliceChoice& slice, const Geometry& geometry) {
@@ -224,8 +212,8 @@ void ScenePlanner::plan_pose() {
     add("pose", "displacement of " + bricks_text(m_moved_bricks), reads_u,
         copied + of_frame + m_moved_bricks * kBrickBytes12 + density_bricks() * kPlaceBytes,
         density_bricks() * kExtendBytes,
-        frames() * (m_moved_bricks * kBrickVoxels * m_costs.displacement_voxel +
-                    density_bricks() * m_costs.still_brick));
+        frames() * (m_moved_bricks * kBrickVoxels * m_costs[kDisplacementVoxelCost] +
+                    density_bricks() * m_costs[kStillBrickCost]));
   }
   if (reads_o.empty()) {
     m_ledger.leave_out("inverse (offsets)", reads_u.empty()
@@ -246,8 +234,8 @@ void ScenePlanner::plan_pose() {
         inverted * kBrickBytes12 + density_bricks() * kFieldTableBytes +
             m_moved.split * kSplitBytes + once(std::min(kInvertCode, inverted * kInvertedBytes)),
         inverted * kInvertBytes + density_bricks() * kRestBytes,
-        frames() * (inverted * kBrickVoxels * m_costs.invert_voxel + m_moved.split * kSplitNs +
-                    density_bricks() * m_costs.still_brick));
+        frames() * (inverted * kBrickVoxels * m_costs[kInvertVoxelCost] + m_moved.split * kSplitNs +
+                    density_bricks() * m_costs[kStillBrickCost]));
   }
 }
 
@@ -262,7 +250,7 @@ void ScenePlanner::plan_path(const SceneView& view, const std::string& stage) {
   if (bricks == 0) return;
   add(stage, "offsets of " + bricks_text(bricks), "the path", 0,
       bricks * (2 * kBrickBytes12 + 2 * kFieldTableBytes),
-      view.picture.frame_count() * bricks * kBrickVoxels * kPathWork * m_costs.invert_voxel);
+      view.picture.frame_count() * bricks * kBrickVoxels * kPathWork * m_costs[kInvertVoxelCost]);
 }
 
 void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, double pictures) {
@@ -299,8 +287,9 @@ void ScenePlanner::plan_march(const SceneView& view, const std::string& stage, d
           (pictures > 1 ? ", " + count_text(pictures, "times") : ""),
       view.deformed ? "a picture of the body moved" : "a picture of the body at rest",
       once(kPictureCode), bytes * (1 + scattered),
-      density_bricks() * m_costs.source_brick +
-          pictures * (pixels * (m_costs.ray + kStoreNs) + samples * sample_work * m_costs.sample));
+      density_bricks() * m_costs[kSourceBrickCost] +
+          pictures * (pixels * (m_costs[kRayCost] + kStoreNs) +
+                      samples * sample_work * m_costs[kSampleCost]));
 }
 
 void ScenePlanner::plan_view(const SceneView& given) {
@@ -318,7 +307,8 @@ void ScenePlanner::plan_view(const SceneView& given) {
       view.slice ? slice_pixels(*view.slice, state.geometry) : double(view.size[0]) * view.size[1];
   if (view.slice || view.lattice) {
     add(stage, count_text(pixels, "pixels"), view.slice ? "slices" : "a lattice",
-        once(kPictureCode), pixels * kPixelBytes, pictures * pixels * (m_costs.ray + kStoreNs));
+        once(kPictureCode), pixels * kPixelBytes,
+        pictures * pixels * (m_costs[kRayCost] + kStoreNs));
     return;
   }
   plan_march(view, stage, pictures);
@@ -335,7 +325,7 @@ void ScenePlanner::plan_dense(const std::string& name, const std::string& what,
   // Eight slices of vectors, and two on their way into the file.
   add("output " + name, what + " of " + count_text(voxels, "voxels"), "[output]", code,
       slice * (8 * 12.0 + 3 * value_bytes) + density_bricks() * 4 * kFieldTableBytes,
-      frames() * voxels * m_costs.warp_voxel);
+      frames() * voxels * m_costs[kWarpVoxelCost]);
 }
 
 /// Plans the state. Where it refers to its volume only bricks that move count, and the densities of
@@ -351,7 +341,8 @@ void ScenePlanner::plan_state() {
       "[output]", once(kVdbCode),
       double(m_moved.count()) * kMovedGridBytes + elements * kElementGridBytes +
           densities * (grid_bytes + 2 * kLeafBytes),
-      frames() * (densities * m_costs.state_brick + m_moved_bricks * m_costs.state_vector_brick));
+      frames() *
+          (densities * m_costs[kStateBrickCost] + m_moved_bricks * m_costs[kStateVectorBrickCost]));
 }
 
 void ScenePlanner::plan_outputs() {

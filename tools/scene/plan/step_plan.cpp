@@ -4,8 +4,12 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "lib/body/body_cost.h"
+#include "lib/chainmail/ecm_cost.h"
+#include "lib/relax/relax_cost.h"
 #include "tools/scene/plan/model_plan.h"
 #include "tools/scene/plan/plan_ledger.h"
+#include "volumes/field/inversion/inversion_cost.h"
 #include "volumes/grid/labels.h"
 #include "volumes/grid/voxel_sets.h"
 
@@ -13,20 +17,9 @@ namespace supple::tools {
 
 namespace {
 
-constexpr double kFractionBytes = 2, kFlowBytes = 4;   // kept, the second where tissue flows
-constexpr double kRelaxBytes = 18, kVolumeBytes = 25;  // per element that moves (docs/models)
-// Time of bodies that no cache holds, relative to the small one of a calibration: of relaxation,
-// and where cells keep their volume.
-constexpr double kBeyondCaches = 1.6, kVolumeBeyondCaches = 2.6;
-constexpr double kRelaxStartNs = 80;  // per element of the body
-// Passes that take a relaxation one brick further; a budget ends it while it still spreads.
-constexpr double kPassesOfRing = 4, kPassesOfRingInBudget = 6;
 /// A joint is parted on both sides, and its bricks fall into more pieces than those of a cut: of
 /// the bricks that move, at least this part.
 constexpr double kJointSides = 2, kJointPart = 0.25;
-/// Voxels from a cut link in which bricks are split (cut_inversion.cpp).
-constexpr int kSplitRings = 3;
-constexpr double kPieceNs = 700;  // to find rigid pieces, per element
 
 std::string axis_name(int coordinate) {
   return std::string(1, "ijk"[coordinate]);
@@ -102,7 +95,6 @@ class StepPlan {
   void pieces();
   MovedBricks drag(const MovedBricks& before);
   void relax(MovedBricks& moved);
-  void whole_body();
 
   std::string m_stage;
   int m_links;
@@ -142,11 +134,10 @@ MovedBricks StepPlan::drag(const MovedBricks& before) {
     }
     const double bricks = double(moved.count(c)), known = double(before.count(c));
     const double count = moved.elements[std::size_t(c)];
-    const double work = m_links == 26 ? 5 : m_links == 18 ? 3 : 1;  // of that with 6 links
     add("coordinate " + axis_name(c) + " of " + bricks_text(bricks) + ", " +
             count_text(count, "elements"),
         "Enhanced ChainMail: a handle moves along it", std::max(0.0, bricks - known) * kBrickBytes4,
-        bricks * kBrickBytes4, count * work * m_costs.ecm_element);
+        bricks * kBrickBytes4, count * ecm_looks(m_links) * m_costs[kEcmElementCost]);
   }
   return moved;
 }
@@ -229,9 +220,8 @@ void StepPlan::relax(MovedBricks& moved) {
     if (ring >= 1 + passes / passes_of_ring) break;
   }
   const bool is_plastic = m_session.material().yield_strain.has_value();
-  const double work = m_links == 26 ? 4 : m_links == 18 ? 2.5 : 1;  // of those of 6
-  const double ns = conserves ? kVolumeBeyondCaches * count / 3 * m_costs.volume_element
-                              : kBeyondCaches * count * m_costs.relax_element * work;
+  const double ns =
+      pass_ns(count, conserves, m_links, m_costs[kRelaxElementCost], m_costs[kVolumeElementCost]);
   const double bytes = bricks * kBrickVoxels * (conserves ? kVolumeBytes : kRelaxBytes);
   add("stiffness and up to " + count_text(passes, "passes"),
       m_request.relax ? "the step asks for relaxation" : "the material relaxes what is dragged",
@@ -239,18 +229,14 @@ void StepPlan::relax(MovedBricks& moved) {
       ns * passes + elements() * kRelaxStartNs);
 }
 
-void StepPlan::whole_body() {
-  const ModelPlan model = plan_model(m_request, m_session, m_costs);
-  add(model.what, model.why, 0, model.bytes, model.seconds * 1e9);
-}
-
 MovedBricks StepPlan::plan(const MovedBricks& before) {
   MovedBricks moved = before;
   cuts(moved);
   pieces();
-  if (m_request.springs || m_request.fem) {
-    move_all(moved, m_request.fem ? "finite elements move every node" : "springs move every node");
-    whole_body();
+  if (const auto model = plan_model(m_request, m_session.body(), m_costs)) {
+    const std::string& title = model_of(m_request).title;
+    move_all(moved, title + " move every node");
+    add(model->what, "the step moves the body by " + title, 0, model->bytes, model->seconds * 1e9);
   } else {
     moved.add(drag(before));
     relax(moved);

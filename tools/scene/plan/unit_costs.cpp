@@ -4,41 +4,47 @@
 #include <filesystem>
 #include <fstream>
 
+#include "lib/body/body_cost.h"
+#include "lib/chainmail/ecm_cost.h"
+#include "lib/fem/voxel/fem_cost.h"
+#include "lib/relax/relax_cost.h"
+#include "lib/springs/spring_cost.h"
+#include "lib/state/state_cost.h"
+#include "raycast/march/march_cost.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"
 #include "volumes/base/table.h"
+#include "volumes/field/inversion/inversion_cost.h"
+#include "volumes/io/load/load_cost.h"
 
 namespace supple::tools {
 
-Fields fields(UnitCosts& costs) {
-  const auto cost = [](const char* name, double& value, const char* help) {
-    return Field(name, value, help).unit("ns").positive();
-  };
-  return {
-      cost("read_voxel", costs.read_voxel, "A voxel of the file's box, read and put into bricks"),
-      cost("body_element", costs.body_element, "An element of the body, its links checked"),
-      cost("ecm_element", costs.ecm_element, "An element that ECM moves, per coordinate"),
-      cost("relax_element", costs.relax_element, "An element, per pass and coordinate"),
-      cost("volume_element", costs.volume_element, "The same where cells keep their volume"),
-      cost("spring", costs.spring, "A spring, per step of the first two to a minimum"),
-      cost("fem_unknown", costs.fem_unknown, "An unknown of finite elements, per iteration"),
-      cost("displacement_voxel", costs.displacement_voxel, "A voxel of bricks that move"),
-      cost("invert_voxel", costs.invert_voxel, "A voxel of bricks that move, inverted"),
-      cost("source_brick", costs.source_brick, "A brick of the volume as pictures read it"),
-      cost("ray", costs.ray, "A pixel beside its samples"),
-      cost("sample", costs.sample, "A sample of a ray"),
-      cost("still_brick", costs.still_brick, "A brick of the body that does not move"),
-      cost("warp_voxel", costs.warp_voxel, "A voxel of a dense warp or volume, written"),
-      cost("state_brick", costs.state_brick, "A brick of a state, written"),
-      cost("state_vector_brick", costs.state_vector_brick, "The same with offsets"),
-      Field("measured", costs.measured, "When, and by which program"),
-  };
+namespace {
+
+/// All that a calibration measures, in the order of its file.
+const UnitCost* const kUnits[] = {
+    &kReadVoxelCost,     &kBodyElementCost, &kEcmElementCost, &kRelaxElementCost,
+    &kVolumeElementCost, &kSpringCost,      &kFemUnknownCost, &kDisplacementVoxelCost,
+    &kInvertVoxelCost,   &kSourceBrickCost, &kRayCost,        &kSampleCost,
+    &kStillBrickCost,    &kWarpVoxelCost,   &kStateBrickCost, &kStateVectorBrickCost,
+};
+
+}  // namespace
+
+double UnitCosts::operator[](const UnitCost& unit) const {
+  const auto found = m_ns.find(unit.name);
+  return found == m_ns.end() ? unit.ns : found->second;
 }
 
-double fem_work(double unknowns, double iterations) {
-  constexpr double kSetup = 5, kSmallest = 18000;
-  return (unknowns + kSmallest) * (iterations + kSetup);
+Fields UnitCosts::fields() {
+  Fields all;
+  for (const UnitCost* unit : kUnits) {
+    double& ns = m_ns.emplace(unit->name, unit->ns).first->second;
+    all.push_back(Field(unit->name, ns, unit->help).unit("ns").positive());
+  }
+  all.push_back(Field("measured", measured, "When, and by which program"));
+  return all;
 }
 
 std::string calibration_file() {
@@ -60,7 +66,7 @@ UnitCosts read_costs(const std::string& path) {
   std::error_code missing;
   if (path.empty() || !std::filesystem::exists(path, missing)) return costs;
   Table table = Table::read(path);
-  table.read(fields(costs));
+  table.read(costs.fields());
   table.finish();
   return costs;
 }
@@ -69,7 +75,7 @@ void write_costs(const std::string& path, const UnitCosts& costs) {
   UnitCosts written = costs;
   std::string text =
       "# What a unit of work costs on this machine, in ns (supple bench --calibrate).\n";
-  for (const Field& field : fields(written)) {
+  for (const Field& field : written.fields()) {
     const std::string value =
         field.holds<std::string>() ? json_string(written.measured) : field.text();
     text += field.name() + " = " + value + "\n";

@@ -1,5 +1,6 @@
 #include "tools/scene/run/reports.h"
 
+#include "lib/session/step_model.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {
@@ -293,6 +294,7 @@ Value to_value(const RigidPieces& pieces) {
 }
 
 Value to_value(const StepRecord& record) {
+  if (const StepModel& model = model_of(record); model.report) return model.report(record);
   if (record.springs) {
     Value json = {{"model", "springs"},
                   {"cut_links", record.cut_links},

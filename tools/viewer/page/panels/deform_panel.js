@@ -39,9 +39,9 @@ export class DeformPanel {
     try {
       this.relax = new OptionsForm(await this.session.ask('options', {kind: 'relax'}));
       this.relaxHome.replaceChildren(this.relax.root);
-      for (const [model, home] of Object.entries(this.modelHomes)) {
-        this.models[model] = new OptionsForm(await this.session.ask('options', {kind: model}), () => this.chooseModel(model));
-        home.append(this.models[model].root);
+      for (const {name, title, has_keys: hasKeys} of await this.session.ask('options', {kind: 'models'})) {
+        if (![...this.model.options].some((option) => option.value === name)) this.model.append(new Option(title, name));
+        if (hasKeys && !this.models[name]) await this.addModel(name, title);
       }
     } catch { /* all then have their defaults */ }
   }
@@ -80,20 +80,26 @@ export class DeformPanel {
   }
 
   modelSection() {
-    this.model = select([['ecm', 'ChainMail (ECM)'], ['springs', 'Springs'], ['fem', 'Finite elements, after a drag']], 'ecm',
-                        (model) => this.chooseModel(model), {id: 'model'});
+    this.model = select([['ecm', 'ChainMail (ECM)']], 'ecm', (model) => this.chooseModel(model), {id: 'model'});
     this.limits = select(['box', 'ball', 'tighten'], 'box',
                          (limits) => this.session.event({kind: 'limits', limits}), {id: 'limits'});
     this.relaxHome = element('div');
     this.models = {};
-    const home = (title) => element('details', {hidden: true}, element('summary', {}, title));
-    this.modelHomes = {springs: home('Springs'), fem: home('Finite elements')};
+    this.modelHomes = {};
+    this.modelForms = element('div');
     this.relaxButton = button('Relax (E)', () => this.startRelaxing(), {id: 'relax'});
     this.relaxStop = button('Stop', () => this.session.ask('cancel', true).catch(() => {}), {id: 'relax-stop', hidden: true});
     this.relaxState = element('p', {class: 'note', role: 'status'});
-    return section('Model and relaxation', true, field('Model', this.model), ...Object.values(this.modelHomes),
+    return section('Model and relaxation', true, field('Model', this.model), this.modelForms,
                    field('Limits of links', this.limits, null,
                      'box: each component of a link; ball: its length; tighten: box, and narrower across stretched links'), this.relaxHome, element('div', {class: 'row'}, this.relaxButton, this.relaxStop), this.relaxState);
+  }
+  /// The keys of a model, under its title without what comes after a comma.
+  async addModel(name, title) {
+    this.models[name] = new OptionsForm(await this.session.ask('options', {kind: name}), () => this.chooseModel(name));
+    this.modelHomes[name] = element('details', {hidden: this.session.scene?.model !== name}, element('summary', {}, title.split(',')[0]), this.models[name].root);
+    this.modelForms.append(this.modelHomes[name]);
+    if (this.session.scene) this.model.value = this.session.scene.model ?? 'ecm';
   }
   chooseModel(model) {
     if (this.models[model] && !this.models[model].isValid()) return;

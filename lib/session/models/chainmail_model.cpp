@@ -1,11 +1,12 @@
-// Models of a step: Enhanced ChainMail with relaxation and tightening, springs, finite elements.
+// Enhanced ChainMail, or ball limits, with relaxation and tightening as the model of a step.
 #include <algorithm>
 
 #include "lib/chainmail/cut_contact.h"
 #include "lib/model/quasi_static.h"
 #include "lib/relax/relaxation.h"
-#include "lib/session/step_task.h"
+#include "lib/session/models/drags.h"
 #include "lib/session/step_warnings.h"
+#include "volumes/base/error.h"
 
 namespace supple {
 
@@ -120,13 +121,7 @@ struct ChainMailMove : ModelTask {
   }
 };
 
-}  // namespace
-
-Vec3d way_done(const StepRecord& record, const Vec3d& by_mm) {
-  return record.slid ? by_mm * *record.slid : by_mm * record.report.fraction();
-}
-
-void move_by_chainmail(const ModelTask& task) {
+void run(const ModelTask& task) {
   ChainMailMove{task}.go();
   if (!task.record.tells_reactions) return;
   stage(task.progress, "forces on handles");
@@ -134,48 +129,54 @@ void move_by_chainmail(const ModelTask& task) {
       task.in.held(), task.ledger.elements(), moduli_of(task.in.body, task.in.relaxed_by)));
 }
 
-namespace {
+void check(const Step& step, const SessionBody&) {
+  if (step.retract.empty() || step.limits != Limits::ball) return;
+  throw InputError({step.retract.front().place, "retract", "beside limits = \"ball\"",
+                    "a step of ECM with box limits, or of finite elements"});
+}
 
-/// The elements of handles whose reactions are wanted.
-std::vector<SlotSet> told_elements(const ModelTask& task) {
-  return task.record.tells_reactions ? task.ledger.elements() : std::vector<SlotSet>();
+void by_box(Step&, double) {}
+void by_ball(Step& step, double) {
+  step.limits = Limits::ball;
+}
+void by_relaxation(Step& step, double passes) {
+  step.no_relax = false;
+  step.relax = RelaxParams();
+  step.relax->passes = int(passes);
+}
+void by_elastic_relaxation(Step& step, double passes) {
+  by_relaxation(step, passes);
+  step.relax->poisson = true;
+}
+
+ModelMethod relaxation(const char* name, const char* title, int links,
+                       void (*solve)(Step&, double)) {
+  return {{name, title, "passes", 1, kMaxPasses, true, {1, 4, 16, 64, 256, 1024}}, links, solve};
 }
 
 }  // namespace
 
-void move_by_springs(const ModelTask& task) {
-  StepRecord& record = task.record;
-  std::vector<Region> anchors;
-  record.sprung = move_by_springs(*record.springs, task.in.held_with_pieces(anchors), task.handles,
-                                  told_elements(task), task.progress);
-  if (record.tells_reactions) record.reactions = task.ledger.name(record.sprung.reactions);
-  task.in.relaxed_by = {};
-  task.in.forget_shifts();
+Vec3d way_done(const StepRecord& record, const Vec3d& by_mm) {
+  return record.slid ? by_mm * *record.slid : by_mm * record.report.fraction();
 }
 
-/// Equilibria know no contact: free pieces are kept out of others, and what sides of cuts do is
-/// told.
-void move_by_elements(const ModelTask& task) {
-  SessionBody& in = task.in;
-  StepRecord& record = task.record;
-  const std::vector<SlotSet> told = told_elements(task);
-  FemTask work{in.held(),       in.cuts(),      in.state.density,
-               in.state.labels, told,           task.pieces,
-               task.nodes,      in.equilibrium, {}};
-  std::unique_ptr<CutContact> contact;
-  if (!record.fem->modes) {
-    contact = contact_of(in, record);
-    work.keep_apart = keeping_apart(task);
-  }
-  record.equilibrium = move_by_fem(*record.fem, work, task.handles, task.progress);
-  if (record.equilibrium.equilibrium) in.equilibrium = std::move(record.equilibrium.equilibrium);
-  if (record.tells_reactions) record.reactions = task.ledger.name(record.equilibrium.reactions);
-  in.contact.lips_before.reset();
-  if (contact) record.contact = contact->found();
-  warn_of_meetings(record.meetings, task.progress);
-  warn_of_sides(record.contact, task.progress);
-  in.relaxed_by = {};
-  in.forget_shifts();
+StepModel chainmail_model() {
+  StepModel model;
+  model.name = "ecm";
+  model.title = "Enhanced ChainMail";
+  model.menu = "ChainMail (ECM)";
+  model.knows_pushes = true;
+  model.check = check;
+  model.run = run;
+  model.methods = {
+      {{"ecm", "ECM", "links", 6, 26, true, {6, 18, 26}, true}, kKnobLinks, by_box},
+      {{"ecm-ball", "ECM, ball limits", "links", 6, 6, true, {6}, true}, kKnobLinks, by_ball},
+      relaxation("relax-6", "relaxed, 6 links", 6, by_relaxation),
+      relaxation("relax-18", "relaxed, 18 links", 18, by_relaxation),
+      relaxation("relax-26", "relaxed, 26 links", 26, by_relaxation),
+      relaxation("relax-poisson", "relaxed, volume by \u03bd", 6, by_elastic_relaxation),
+  };
+  return model;
 }
 
 }  // namespace supple

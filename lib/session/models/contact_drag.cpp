@@ -7,7 +7,7 @@
 #include "lib/body/kept_offsets.h"
 #include "lib/chainmail/cut_contact.h"
 #include "lib/session/handles/drag_handles.h"
-#include "lib/session/step_task.h"
+#include "lib/session/models/drags.h"
 #include "lib/session/step_warnings.h"
 
 namespace supple {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace supple::tools {
+namespace supple {
 
 struct KnobFamily {
   const char* name;        // "relax-26"
@@ -72,4 +72,4 @@ std::vector<KnobSetting<Family>> settings_named(const std::vector<std::string>& 
   return settings;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

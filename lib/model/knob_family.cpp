@@ -1,4 +1,4 @@
-#include "tools/scene/file/knob_family.h"
+#include "lib/model/knob_family.h"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
-namespace supple::tools {
+namespace supple {
 
 std::string knob_name(const KnobFamily& family, double knob) {
   return std::string(family.name) + ':' + exact_text(knob);
@@ -47,4 +47,4 @@ std::pair<std::size_t, double> parse_knob(const std::string& text,
   throw InputError({"", field, text, expected});
 }
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "lib/session/step_task.h"
+#include "lib/session/models/drags.h"
 #include "volumes/base/error.h"
 
 namespace supple {

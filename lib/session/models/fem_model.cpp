@@ -1,0 +1,146 @@
+// Finite elements as the model of a step.
+#include <algorithm>
+
+#include "lib/chainmail/cut_contact.h"
+#include "lib/fem/voxel/fem.h"
+#include "lib/fem/voxel/fem_cost.h"
+#include "lib/session/models/drags.h"
+#include "lib/session/step_warnings.h"
+
+namespace supple {
+
+namespace {
+
+constexpr double kFineTolerance = 1e-6;
+
+/// Equilibria know no contact: free pieces are kept out of others, and what sides of cuts do is
+/// told.
+void run_elements(const ModelTask& task) {
+  SessionBody& in = task.in;
+  StepRecord& record = task.record;
+  const std::vector<SlotSet> told = task.told();
+  FemTask work{in.held(),       in.cuts(),      in.state.density,
+               in.state.labels, told,           task.pieces,
+               task.nodes,      in.equilibrium, {}};
+  std::unique_ptr<CutContact> contact;
+  if (!record.fem->modes) {
+    contact = contact_of(in, record);
+    work.keep_apart = keeping_apart(task);
+  }
+  record.equilibrium = move_by_fem(*record.fem, work, task.handles, task.progress);
+  if (record.equilibrium.equilibrium) in.equilibrium = std::move(record.equilibrium.equilibrium);
+  if (record.tells_reactions) record.reactions = task.ledger.name(record.equilibrium.reactions);
+  in.contact.lips_before.reset();
+  if (contact) record.contact = contact->found();
+  warn_of_meetings(record.meetings, task.progress);
+  warn_of_sides(record.contact, task.progress);
+  task.start_anew();
+}
+
+Value journal_settings(const StepRecord& record) {
+  const FemReport& report = record.equilibrium.report;
+  Value value = settings_value(*record.fem);
+  value["iterations"] = report.iterations;
+  value["residual_max"] = report.residual_max;
+  value["force_balance"] = report.force_balance;
+  value["energy_identity"] = report.energy_identity;
+  return value;
+}
+
+/// Elements of the fixed boxes, and of rigid pieces that these hold as wholes.
+SlotSet fixed_elements(const Step& step, const Body& body) {
+  SlotSet fixed;
+  for (const ChosenPart& part : step.fix) {
+    if (const IndexBox* box = part.box()) fixed.add(elements_of(body, Region(*box), "fix"));
+  }
+  SlotSet all = fixed;
+  for (const RigidPiece& piece : body.rigid.list) {
+    Slot slot;
+    if (piece.elements->first_common(fixed, slot)) all.add(*piece.elements);
+  }
+  return all;
+}
+
+ModelCost cost_of_elements(const Step& step, const Body& body) {
+  const FemStep& fem = *step.fem;
+  FemWish wish{fem.params, fem.halvings, !step.rigid.empty() || !body.rigid.empty()};
+  if (fem.modes) wish.modes = fem.modes->count;
+  if (fem.motion) wish.motion_steps = fem.motion->steps();
+  const FemWork work =
+      fem_work(count_nodes(body.elements, fixed_elements(step, body)), wish, body.material);
+  ModelCost cost{{work.unknowns, "unknowns"}, {work.iterations, "iterations"}};
+  cost.bytes = work.bytes;
+  cost.units = work.unknown_iterations;
+  cost.unit = kFemUnknownCost;
+  return cost;
+}
+
+void by_fem(Step& step, double tolerance) {
+  if (!step.fem) step.fem.emplace();
+  step.fem->params.set_accuracy(FemAccuracy::exact);  // from rest, whatever came before
+  step.fem->params.tolerance = tolerance;
+  step.fem->params.reaction_tolerance = std::max(1e-9, tolerance);
+  step.fem->params.max_iterations = 5000;
+}
+
+/// Elements of parts of a voxel say how far those of whole voxels are from their limit.
+void by_fine_fem(Step& step, double halvings) {
+  by_fem(step, kFineTolerance);
+  step.fem->halvings = int(halvings);
+}
+
+/// The best that elements of several voxels can do; their own error is far larger.
+void by_coarse_fem(Step& step, double doublings) {
+  constexpr double kCoarseTolerance = 1e-4;
+  by_fem(step, kCoarseTolerance);
+  step.fem->params.doublings = int(doublings);
+}
+
+/// Solves the same elements, but for their dilatation, by another program.
+void by_calculix(Step& step, double solver) {
+  by_fem(step, kFineTolerance);
+  step.fem->params.solver = EquationSolver(int(solver));
+}
+
+/// Solves the same elements by a library for any equations.
+void by_dolfinx(Step& step, double tolerance) {
+  by_fem(step, tolerance);
+  step.fem->params.solver = EquationSolver::dolfinx;
+}
+
+}  // namespace
+
+StepModel fem_model() {
+  StepModel model;
+  model.name = "fem";
+  model.title = "finite elements";
+  model.menu = "Finite elements, after a drag";
+  model.waits_for_hands = true;
+  model.moves = [](const Step& step) { return step.fem.has_value(); };
+  model.choose = [](Step& step) { step.fem.emplace(); };
+  model.fields = [](Step& step) { return fields(*step.fem); };
+  model.option_fields = [](Step& step) { return option_fields(*step.fem); };
+  model.settings = journal_settings;
+  model.cost = cost_of_elements;
+  model.shorten = shorten_for_bones;
+  model.run = run_elements;
+  const std::vector<double> ladder = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
+  const std::vector<double> doublings = {1, 2, 3};
+  model.methods = {
+      {{"fem", "finite elements", "tolerance", 1e-12, 0.5, false, ladder}, 0, by_fem},
+      {{"fem-coarse", "elements of 2, 4, 8 voxels", "doublings", 1, kMostDoublings, true,
+        doublings},
+       0,
+       by_coarse_fem},
+      {{"fem-fine", "elements of parts of a voxel", "halvings", 1, kMostHalvings, true, {1}},
+       0,
+       by_fine_fem},
+      {{"calculix", "CalculiX: direct, iterative", "solver", 1, 2, true, {2, 1}}, 0, by_calculix},
+      {{"dolfinx", "DOLFINx with GAMG", "tolerance", 1e-12, 0.5, false, {1e-4, 1e-6}},
+       0,
+       by_dolfinx},
+  };
+  return model;
+}
+
+}  // namespace supple
