@@ -46,7 +46,7 @@ inline BrickTopology box_topology(const Vec3i& lo, const Vec3i& hi) {
 }
 
 template <class Visit>
-void for_each_voxel(const BrickTopology& topology, Visit&& visit) {
+void for_each_slot(const BrickTopology& topology, Visit&& visit) {
   for (std::size_t b = 0; b < topology.brick_count(); ++b) {
     for_each_active(topology.mask(b), [&](int offset) {
       visit(topology.origin(b) + brick_local(offset), b * kBrickVoxels + offset);
@@ -57,15 +57,15 @@ void for_each_voxel(const BrickTopology& topology, Visit&& visit) {
 inline VectorBricks field_on(const BrickTopology& topology,
                              const std::function<Vec3f(const Vec3i&)>& value) {
   VectorBricks field{topology, BrickVectors(topology.brick_count())};
-  for_each_voxel(topology,
-                 [&](const Vec3i& v, std::size_t slot) { field.vectors.set(slot, value(v)); });
+  for_each_slot(topology,
+                [&](const Vec3i& v, std::size_t slot) { field.vectors.set(slot, value(v)); });
   return field;
 }
 
 inline VoxelField to_map(const VectorBricks& field) {
   VoxelField map;
-  for_each_voxel(field.topology,
-                 [&](const Vec3i& v, std::size_t slot) { map[key(v)] = field.vectors.at(slot); });
+  for_each_slot(field.topology,
+                [&](const Vec3i& v, std::size_t slot) { map[key(v)] = field.vectors.at(slot); });
   return map;
 }
 
@@ -112,7 +112,7 @@ inline bool sample_with_border(const VectorBricks& u, const Vec3i& dims, const V
 /// max |o + u(x + o)| over the nodes of `o`; positions rounded off the border are put back on it.
 inline double max_residual(const VectorBricks& u, const VectorBricks& o) {
   double worst = 0;
-  for_each_voxel(o.topology, [&](const Vec3i& x, std::size_t slot) {
+  for_each_slot(o.topology, [&](const Vec3i& x, std::size_t slot) {
     const Vec3d offset(o.vectors.at(slot));
     const Vec3i dims = u.topology.active_bounds().hi + Vec3i(1);
     Vec3d pos = Vec3d(x) + offset, moved;

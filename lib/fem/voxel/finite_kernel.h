@@ -75,7 +75,7 @@ inline DoubleLanes volume_change(const LaneMatrix& h) {
 /// (1 + j)^(-1/3) - 1 for j > -1, to rounding also where j is small: Newton's method from a guess
 /// by the exponent's third, and a last step in the difference from 1.
 inline DoubleLanes inverse_cube_root_less_one(const DoubleLanes& j) {
-  using Bits = LaneVector<std::int64_t>::type;
+  using Bits = ElementLanes<std::int64_t>;
   const DoubleLanes J = j + 1;
   const Bits bits = reinterpret_cast<const Bits&>(J);
   const Bits guess = 0x553ef0ff289dd796 - bits / 3;

@@ -16,7 +16,7 @@ namespace {
 VoxelField brute_force_rings(VoxelField field, const BrickTopology& target, int rings) {
   for (int ring = 0; ring < rings; ++ring) {
     VoxelField grown;
-    for_each_voxel(target, [&](const Vec3i& v, std::size_t) {
+    for_each_slot(target, [&](const Vec3i& v, std::size_t) {
       if (field.count(key(v))) return;
       Vec3d sum(0), linear(0);
       int count = 0, rows = 0;
@@ -86,7 +86,7 @@ TEST(PropertyExtend, AConstantFieldStaysThatConstantExactly) {
     const BrickTopology target = dilate(seed.topology, 5);
     const VectorBricks extended = extend({unit_geometry({9, 9, 9}), seed}, target).u;
     EXPECT_TRUE(extended.topology == target);
-    for_each_voxel(target, [&](const Vec3i&, std::size_t slot) {
+    for_each_slot(target, [&](const Vec3i&, std::size_t slot) {
       ASSERT_EQ(extended.vectors.at(slot), constant);
     });
   }
@@ -103,7 +103,7 @@ TEST(PropertyExtend, ALinearFieldGoesOnLinearlyForTwoRings) {
       extend({unit_geometry(Vec3i(21)), field_on(ball, linear)}, target).u;
   const BrickTopology near = dilate(ball, 2);
   int beyond = 0;
-  for_each_voxel(target, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(target, [&](const Vec3i& v, std::size_t slot) {
     if (near.is_active(v)) {
       ASSERT_EQ(extended.vectors.at(slot), linear(v)) << v;
     } else {
@@ -144,7 +144,7 @@ TEST(UnitRingFill, TheRingOfAVoxelIsItsChebyshevDistanceInTheOpen) {
   const VectorBricks filled =
       fill_rings(seed, box_topology({0, 0, 0}, {20, 20, 20}), 5, RingFill::means, &ring);
   EXPECT_EQ(filled.topology.active_count(), 11 * 11 * 11);
-  for_each_voxel(filled.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(filled.topology, [&](const Vec3i& v, std::size_t slot) {
     const Vec3i d = v - Vec3i(7);
     EXPECT_EQ(ring[slot], std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}));
   });
@@ -154,7 +154,7 @@ TEST(UnitRingFill, TheUnionHoldsTheVoxelsOfBoth) {
   const BrickTopology a = box_topology({0, 0, 0}, {9, 3, 3});
   const BrickTopology b = box_topology({-9, 2, 2}, {1, 20, 3});
   const BrickTopology both = unite(a, b);
-  for_each_voxel(box_topology({-10, -1, -1}, {21, 21, 5}), [&](const Vec3i& v, std::size_t) {
+  for_each_slot(box_topology({-10, -1, -1}, {21, 21, 5}), [&](const Vec3i& v, std::size_t) {
     EXPECT_EQ(both.is_active(v), a.is_active(v) || b.is_active(v));
   });
 }

@@ -46,7 +46,7 @@ double bump_error(int n) {
   EXPECT_LE(field.certificate.residual_max, 1e-4);
   EXPECT_EQ(field.certificate.folded_cells, 0);
   double worst = 0;
-  for_each_voxel(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
+  for_each_slot(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
     const Vec3d offset(field.o.vectors.at(slot)), place = Vec3d(x) + offset;
     if (within_border(place, Vec3i(n + 1)) != place) return;  // extrapolated
     const Vec3d error = offset - bump.offset_voxels(Vec3d(x));

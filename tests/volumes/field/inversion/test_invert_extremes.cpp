@@ -25,7 +25,7 @@ TEST(ExtremesInvert, OneVoxelHasNoCellUntilItIsExtended) {
   const OffsetField extended = invert(extend(lone, dilate(lone.u.topology, 1)));
   EXPECT_EQ(extended.certificate.cells, 8);
   EXPECT_TRUE(extended.o.topology == box_topology({10, 7, 6}, {11, 9, 8}));
-  for_each_voxel(extended.o.topology, [&](const Vec3i&, std::size_t slot) {
+  for_each_slot(extended.o.topology, [&](const Vec3i&, std::size_t slot) {
     EXPECT_EQ(extended.o.vectors.at(slot), Vec3f(-2.5f, 0, 1));
   });
 }

@@ -120,7 +120,7 @@ TEST(PropertyPath, OffsetsLeadFromWhereTheBodyIsSeenToWhereItWas) {
     // Every voxel of the body is seen once, at its place.
     int count = 0;
     double worst = 0;
-    for_each_voxel(body, [&](const Vec3i& voxel, std::size_t) {
+    for_each_slot(body, [&](const Vec3i& voxel, std::size_t) {
       const Vec3d from = geometry.world_from_index(Vec3d(voxel));
       const int piece = piece_of(*function, from);
       if (function->depth_mm(from, piece) < 1e-6) return;
@@ -144,7 +144,7 @@ TEST(PropertyPath, NodesHoldTheExactPath) {
     const std::string& name = named.name;
     const Function& function = named.function;
     const OffsetField field = follow_path({function}, geometry, body);
-    for_each_voxel(field.o.topology, [&](const Vec3i& node, std::size_t slot) {
+    for_each_slot(field.o.topology, [&](const Vec3i& node, std::size_t slot) {
       const Vec3d at = geometry.world_from_index(Vec3d(node));
       double nearest = HUGE_VAL;
       for (int piece = 0; piece < function->pieces(); ++piece) {
@@ -192,7 +192,7 @@ TEST(PropertyPath, ABodyThatHasMovedIsFollowedFromWhereThePathLeads) {
     const OffsetField field = follow_path({function}, moved);
     double worst = 0;
     int count = 0;
-    for_each_voxel(body_of(geometry), [&](const Vec3i& voxel, std::size_t) {
+    for_each_slot(body_of(geometry), [&](const Vec3i& voxel, std::size_t) {
       const Vec3d between = Vec3d(voxel) + bump.displacement_voxels(Vec3d(voxel));
       const Vec3d between_mm = geometry.world_from_index(between);
       const int piece = piece_of(*function, between_mm);
@@ -298,7 +298,7 @@ TEST(PropertyPath, MaterialMovesAgainstItsSamplingPath) {
     const Displacement now = move_along(path, start);
     const OffsetField field = follow_path(path, moved);
     int count = 0;
-    for_each_voxel(now.u.topology, [&](const Vec3i& voxel, std::size_t slot) {
+    for_each_slot(now.u.topology, [&](const Vec3i& voxel, std::size_t slot) {
       const Vec3d x = Vec3d(voxel) + Vec3d(now.u.vectors.at(slot));
       Vec3d offset;
       if (!field.sample(x, offset)) return;
