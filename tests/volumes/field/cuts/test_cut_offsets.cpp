@@ -241,7 +241,7 @@ TEST(PropertyCutOffsets, BricksAwayFromTheCutKeepTheirBits) {
   const OffsetField plain = invert(u), field = invert_cut(u, {elements, cuts});
   ASSERT_NE(field.split, nullptr);
   int compared = 0;
-  for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
     if (field.split->bricks().is_active(v)) return;
     Vec3f other;
     ASSERT_TRUE(plain.o.at(v, other));
@@ -377,7 +377,7 @@ TEST(PropertyCutOffsets, TheShellGoesWithItsOwnSide) {
         block.moved([by](bool left, const Vec3d&) { return Vec3d(left ? -by : by, 0, 0); });
     const Displacement extended = extend_past_cuts(u, shell, block.body);
     int checked = 0;
-    for_each_voxel(shell, [&](const Vec3i& v, std::size_t) {
+    for_each_slot(shell, [&](const Vec3i& v, std::size_t) {
       Vec3f value;
       ASSERT_TRUE(extended.u.at(v, value));
       EXPECT_EQ(value, Vec3f(v.x < 14 ? -by : by, 0, 0)) << v;
@@ -475,8 +475,8 @@ TEST(PropertyCutOffsets, AResampledVolumeIsVoidInTheGapAndUntouchedBeside) {
       block.moved([](bool left, const Vec3d&) { return Vec3d(left ? -2 : 2, 0, 0); });
   const OffsetField field = invert_cut(u, block.body);
   std::vector<float> values(block.elements.brick_count() * kBrickVoxels);
-  for_each_voxel(block.elements,
-                 [&](const Vec3i& v, std::size_t slot) { values[slot] = float(100 + v.x); });
+  for_each_slot(block.elements,
+                [&](const Vec3i& v, std::size_t slot) { values[slot] = float(100 + v.x); });
   const DensityGrid density = make_density_grid(block.elements, values, 0);
   const Geometry grid = unit_geometry({28, 24, 24});
   std::vector<float> slice(28 * 24);

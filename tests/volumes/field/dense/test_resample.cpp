@@ -69,10 +69,10 @@ TEST(PropertyNearestVoid, IsAsNearAsTheBruteForceFindsInMillimetres) {
           topology_where(Vec3i(0), dims - Vec3i(1), [&](const Vec3i&) { return active(random); });
       const VectorBricks nearest = nearest_void(source, source, dims, spacing);
       std::vector<Vec3i> empty;
-      for_each_voxel(box_topology(Vec3i(0), dims - Vec3i(1)), [&](const Vec3i& v, std::size_t) {
+      for_each_slot(box_topology(Vec3i(0), dims - Vec3i(1)), [&](const Vec3i& v, std::size_t) {
         if (!source.is_active(v)) empty.push_back(v);
       });
-      for_each_voxel(source, [&](const Vec3i& v, std::size_t) {
+      for_each_slot(source, [&](const Vec3i& v, std::size_t) {
         double best = 1e30;
         for (const Vec3i& e : empty) best = std::min(best, distance_mm(Vec3d(e - v), spacing));
         Vec3f step;
@@ -119,7 +119,7 @@ TEST(UnitDenseOffsets, VacatedVoxelsReadTheNearestVoidAndVoidStaysPut) {
       constant_offsets(geometry, box_topology({10, 6, 6}, {15, 11, 11}), Vec3f(-4, 0, 0));
   const auto dense = all_slices<Vec3f>(dense_offsets(offsets, source, geometry, VoidMode::nearest),
                                        geometry.dims());
-  for_each_voxel(box_topology(Vec3i(0), Vec3i(19)), [&](const Vec3i& v, std::size_t) {
+  for_each_slot(box_topology(Vec3i(0), Vec3i(19)), [&](const Vec3i& v, std::size_t) {
     const Vec3f vector = dense[dense_index(v, geometry.dims())];
     const Vec3d o = geometry.index_vector_from_world(Vec3d(vector));
     if (offsets.o.topology.is_active(v)) {
@@ -168,7 +168,7 @@ TEST(UnitDenseOffsets, OutsideLeadsEveryVoidVoxelOutOfTheSourceBox) {
   const Geometry grid = with_margin(geometry, 40);
   const auto dense =
       all_slices<Vec3f>(dense_offsets(offsets, source, grid, VoidMode::outside), grid.dims());
-  for_each_voxel(box_topology(Vec3i(0), grid.dims() - Vec3i(1)), [&](const Vec3i& v, std::size_t) {
+  for_each_slot(box_topology(Vec3i(0), grid.dims() - Vec3i(1)), [&](const Vec3i& v, std::size_t) {
     const Vec3d world = grid.world_from_index(Vec3d(v));
     const Vec3d at = geometry.index_from_world(world + Vec3d(dense[dense_index(v, grid.dims())]));
     bool inside = true;
@@ -224,7 +224,7 @@ TEST(PropertyDenseOffsets, ExtendDoesNotFoldTheAirBetweenPartsThatComeNearEachOt
   const auto dense = all_slices<Vec3f>(
       dense_offsets(offsets, u.u.topology, geometry, VoidMode::extend, &slabs), dims);
   int folded = 0;
-  for_each_voxel(box_topology(dims - Vec3i(1)), [&](const Vec3i& cell, std::size_t) {
+  for_each_slot(box_topology(dims - Vec3i(1)), [&](const Vec3i& cell, std::size_t) {
     CellCorners corners;
     for (int n = 0; n < 8; ++n) {
       const Vec3i step(n >> 2, n >> 1 & 1, n & 1);
@@ -234,7 +234,7 @@ TEST(PropertyDenseOffsets, ExtendDoesNotFoldTheAirBetweenPartsThatComeNearEachOt
     folded += is_folded(corners);
   });
   EXPECT_EQ(folded, 0);
-  for_each_voxel(slabs, [&](const Vec3i& v, std::size_t) {
+  for_each_slot(slabs, [&](const Vec3i& v, std::size_t) {
     const Vec3i at = v + (v.z < 17 ? Vec3i(3, 0, 4) : Vec3i(-3, 0, -5));
     ASSERT_EQ(dense[dense_index(at, dims)], v.z < 17 ? Vec3f(-3, 0, -4) : Vec3f(3, 0, 5)) << v;
   });
@@ -251,7 +251,7 @@ TEST(PropertyDenseOffsets, AnotherGridReadsTheSameWorldVectors) {
   const auto dense =
       all_slices<Vec3f>(dense_offsets(offsets, where, grid, VoidMode::outside), grid.dims());
   int compared = 0;
-  for_each_voxel(box_topology(Vec3i(0), grid.dims() - Vec3i(1)), [&](const Vec3i& v, std::size_t) {
+  for_each_slot(box_topology(Vec3i(0), grid.dims() - Vec3i(1)), [&](const Vec3i& v, std::size_t) {
     const Vec3d pos = geometry.index_from_world(grid.world_from_index(Vec3d(v)));
     if (std::min({pos.x, pos.y, pos.z, 39 - pos.x, 29 - pos.y, 19 - pos.z}) < 0) return;
     const Vec3d expected = geometry.world_vector_from_index(shear.offset_voxels(pos));
@@ -274,11 +274,11 @@ TEST(PropertyDenseOffsets, AGrownGridHoldsTheSameVectorsInItsMiddle) {
     const auto small =
         all_slices<Vec3f>(dense_offsets(offsets, where, geometry, mode), geometry.dims());
     const auto large = all_slices<Vec3f>(dense_offsets(offsets, where, grid, mode), grid.dims());
-    for_each_voxel(box_topology(Vec3i(0), geometry.dims() - Vec3i(1)),
-                   [&](const Vec3i& v, std::size_t) {
-                     ASSERT_EQ(small[dense_index(v, geometry.dims())],
-                               large[dense_index(v + margin, grid.dims())]);
-                   });
+    for_each_slot(box_topology(Vec3i(0), geometry.dims() - Vec3i(1)),
+                  [&](const Vec3i& v, std::size_t) {
+                    ASSERT_EQ(small[dense_index(v, geometry.dims())],
+                              large[dense_index(v + margin, grid.dims())]);
+                  });
   }
 }
 
@@ -298,14 +298,14 @@ TEST(PropertyDenseResampled, AShiftByWholeVoxelsMovesTheDensitiesExactly) {
   const Geometry geometry = oblique_geometry(Vec3i(16), {-31, 17, 5}, {1, 2, 3}, 0.6);
   const BrickTopology where = box_topology(Vec3i(3), Vec3i(9));
   std::vector<float> values(where.brick_count() * kBrickVoxels, -7);
-  for_each_voxel(where, [&](const Vec3i&, std::size_t slot) { values[slot] = value(random); });
+  for_each_slot(where, [&](const Vec3i&, std::size_t slot) { values[slot] = value(random); });
   const DensityGrid density = make_density_grid(where, values, -7);
   for (const Vec3i& shift : {Vec3i(0), Vec3i(2, -3, 4)}) {
     const OffsetField offsets =
         constant_offsets(geometry, box_topology(Vec3i(3) + shift, Vec3i(9) + shift), Vec3f(-shift));
     const auto dense =
         all_slices<float>(dense_resampled(offsets, density, geometry, -50), geometry.dims());
-    for_each_voxel(box_topology(Vec3i(0), Vec3i(15)), [&](const Vec3i& v, std::size_t) {
+    for_each_slot(box_topology(Vec3i(0), Vec3i(15)), [&](const Vec3i& v, std::size_t) {
       const bool material = where.is_active(v - shift);
       ASSERT_EQ(dense[dense_index(v, geometry.dims())], material ? density.at(v - shift) : -50);
     });
@@ -316,7 +316,7 @@ TEST(PropertyDenseResampled, AOneSliceVolumeIsResampledInItsPlane) {
   const Geometry geometry = unit_geometry({24, 18, 1});
   const BrickTopology where = box_topology({0, 0, 0}, {23, 17, 0});
   std::vector<float> values(where.brick_count() * kBrickVoxels, 0);
-  for_each_voxel(where, [&](const Vec3i& v, std::size_t slot) { values[slot] = float(v.x); });
+  for_each_slot(where, [&](const Vec3i& v, std::size_t slot) { values[slot] = float(v.x); });
   const Displacement stretched{
       geometry, field_on(where, [](const Vec3i& v) { return Vec3f(0.5f * float(v.x), 0, 0); })};
   const auto dense = all_slices<float>(

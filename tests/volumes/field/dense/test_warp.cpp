@@ -60,7 +60,7 @@ TEST(UnitWarp, OnTheSameGridEveryVectorComesBackExactly) {
   const OffsetField field = offsets_from_warp(warp, grid);
   EXPECT_EQ(field.geometry, grid);
   EXPECT_EQ(field.o.topology, box_topology(Vec3i(0), grid.dims() - Vec3i(1)));
-  for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
     const Vec3f mm = warp.vectors[(std::size_t(v.z) * 9 + v.y) * 21 + v.x];
     EXPECT_EQ(field.o.vectors.at(slot), Vec3f(mm.y * 2, mm.x / -2, mm.z / 4));
   });
@@ -89,7 +89,7 @@ TEST(PropertyWarp, AnExportedFieldReadsBackOnItsOwnGridAndOnAMarginGrid) {
   }
   const OffsetField back = offsets_from_warp(warp, grid);
   // Exports by `outside` leave o = 0 where the grid is already far outside the box.
-  for_each_voxel(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
     Vec3f expected(0);
     ASSERT_TRUE(offsets.o.at(v, expected)) << v;
     EXPECT_LT((back.o.vectors.at(slot) - expected).length(), 1e-5f) << v;
@@ -112,7 +112,7 @@ TEST(PropertyWarp, VectorsInMillimetresComeBackToTheBitAtPowersOfTwoAndToTheLast
     const OffsetField back =
         offsets_from_warp({"w.nrrd", grid, WarpDirection::resample, vectors}, grid);
     int same = 0, compared = 0;
-    for_each_voxel(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
+    for_each_slot(back.o.topology, [&](const Vec3i& v, std::size_t slot) {
       Vec3f expected;
       ASSERT_TRUE(o.at(v, expected));
       for (int a = 0; a < 3; ++a) {
@@ -135,14 +135,14 @@ TEST(PropertyWarp, LinearWarpsAreExactOnObliqueAnisotropicGrids) {
   for (const Geometry& grid : grids) {
     const OffsetField field = offsets_from_warp(make_warp(grid, linear_vector), source);
     EXPECT_GT(field.o.topology.active_count(), 500);
-    for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+    for_each_slot(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
       const Vec3d expected =
           source.index_vector_from_world(linear_vector(source.world_from_index(Vec3d(v))));
       EXPECT_LT((Vec3d(field.o.vectors.at(slot)) - expected).length(), 2e-6) << v;
     });
     // Valid is what lies in the warp's grid and reads the source box, and nothing else.
     const IndexBox box{Vec3i(-16), source.dims() + Vec3i(16)};
-    for_each_voxel(box_topology(box.lo, box.hi), [&](const Vec3i& v, std::size_t) {
+    for_each_slot(box_topology(box.lo, box.hi), [&](const Vec3i& v, std::size_t) {
       const Vec3d pos = grid.index_from_world(source.world_from_index(Vec3d(v)));
       const Vec3d target = Vec3d(v) + source.index_vector_from_world(
                                           linear_vector(source.world_from_index(Vec3d(v))));
@@ -184,7 +184,7 @@ TEST(UnitWarp, OnlyBricksThatMoveAreStored) {
                         source);
   EXPECT_EQ(field.o.topology, box_topology({0, 0, 0}, {39, 23, 31}));
   EXPECT_EQ(field.o.vectors.stored_bricks(), 2u);
-  for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
     const bool moves = v == moved[0] || v == moved[1];
     EXPECT_EQ(field.o.vectors.at(slot), Vec3f(0, moves ? 0.25F : 0, 0)) << v;
   });

@@ -99,7 +99,7 @@ TEST(PropertyBorder, SamplesWithoutAnInverseAgree) {
   const ForwardOffsets offsets(displacement);
   const OffsetField inverse = invert(displacement);
   int beyond = 0;
-  for_each_voxel(inverse.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(inverse.o.topology, [&](const Vec3i& v, std::size_t slot) {
     const Vec3d offset(inverse.o.vectors.at(slot)), place = Vec3d(v) + offset;
     for (int a = 0; a < 3; ++a) {
       if (place[a] < -0.49 || place[a] > 20.49) return;  // too near to the end
@@ -137,7 +137,7 @@ TEST(PropertyBorder, ABodyWithTissueBesideItHasTheSameOffsets) {
                       [&](const Vec3i& v) { return carried_on(v - Vec3i(3)); });
   const OffsetField own = invert(small), beside = invert(large);
   int compared = 0;
-  for_each_voxel(beside.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(beside.o.topology, [&](const Vec3i& v, std::size_t slot) {
     const Vec3d offset(beside.o.vectors.at(slot)), place = Vec3d(v - Vec3i(3)) + offset;
     bool is_near = true, is_between = true;
     for (int a = 0; a < 3; ++a) {
@@ -204,7 +204,7 @@ TEST(UnitBorder, ALayerBesideAnOpenCutThatDrawsBackStays) {
     const CutInTwo body(0.2, way * 2 / (kDims.y - 1));
     ASSERT_NE(body.field.split, nullptr);
     int seen = 0;
-    for_each_voxel(body.elements, [&](const Vec3i& voxel, std::size_t) {
+    for_each_slot(body.elements, [&](const Vec3i& voxel, std::size_t) {
       Vec3d rest, other;
       const bool is_there = body.rest_of(Vec3d(voxel), rest, 1e-4);
       if (is_there != body.rest_of(Vec3d(voxel), other, -1e-4)) return;  // on a face

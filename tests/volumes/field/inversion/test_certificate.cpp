@@ -80,7 +80,7 @@ TEST(PropertyInversionCertificate, ThePercentileIsThatOfTheNodesAndLiesBetweenMe
   const OffsetField field = invert(noisy, rough);
   ASSERT_EQ(field.certificate.folded_cells, 0);
   std::vector<double> residuals;
-  for_each_voxel(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
+  for_each_slot(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
     const Vec3d o(field.o.vectors.at(slot));
     Vec3d moved;
     if (noisy.u.sample(Vec3d(x) + o, moved)) residuals.push_back((o + moved).length());
@@ -106,7 +106,7 @@ TEST(PropertyInversionCertificate, AFoldReachesIntoAirWithAnyOfItsEightCorners) 
     const BrickTopology material =
         topology_where(Vec3i(0), Vec3i(8), [&](const Vec3i&) { return random() % 16 != 0; });
     std::int64_t expected = 0;
-    for_each_voxel(box_topology(Vec3i(0), Vec3i(7)), [&](const Vec3i& cell, std::size_t) {
+    for_each_slot(box_topology(Vec3i(0), Vec3i(7)), [&](const Vec3i& cell, std::size_t) {
       bool in_air = false;
       for (int c = 0; c < 8; ++c) in_air |= !material.is_active(cell + cell_corner(c));
       expected += in_air;

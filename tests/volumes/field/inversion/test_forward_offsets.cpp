@@ -49,7 +49,7 @@ TEST(PropertyForwardOffsets, AtNodesTheyAreThoseOfTheInversion) {
   const ForwardOffsets offsets(displacement);
   const OffsetField inverse = invert(displacement);
   std::int64_t nodes = 0, missing = 0;
-  for_each_voxel(inverse.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(inverse.o.topology, [&](const Vec3i& v, std::size_t slot) {
     PointwiseOffsets::Sample found;
     ++nodes;
     if (!find(offsets, Vec3d(v), found)) {
@@ -117,7 +117,7 @@ TEST(PropertyForwardOffsets, AfterLocalChangesTheyAreThoseOfTheWholeDisplacement
     const Vec3d centre = random_place(random, 5, 35);
     const float size = step == 3 ? 0 : 2;  // once back to rest
     std::vector<std::int32_t> changed;
-    for_each_voxel(displacement.u.topology, [&](const Vec3i& v, std::size_t slot) {
+    for_each_slot(displacement.u.topology, [&](const Vec3i& v, std::size_t slot) {
       const double share = 1 - (Vec3d(v) - centre).length2() / 100;
       if (share <= 0 && step != 3) return;
       displacement.u.vectors.set(slot, Vec3f(size * float(share), 0, 0));

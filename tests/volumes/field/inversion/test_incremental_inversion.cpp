@@ -14,7 +14,7 @@ namespace {
 std::vector<std::int32_t> change_ball(VectorBricks& u, const Vec3d& center, double radius,
                                       const std::function<Vec3f(const Vec3i&)>& value) {
   std::vector<std::int32_t> changed;
-  for_each_voxel(u.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(u.topology, [&](const Vec3i& v, std::size_t slot) {
     if ((Vec3d(v) - center).length() > radius) return;
     u.vectors.set(slot, value(v));
     const std::int32_t b = std::int32_t(slot / kBrickVoxels);

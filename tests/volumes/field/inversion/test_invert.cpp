@@ -54,7 +54,7 @@ std::vector<Vec3i> missed_places(const VectorBricks& u, const VectorBricks& o,
   constexpr int kTetrahedra[6][4] = {{0, 4, 6, 7}, {0, 4, 5, 7}, {0, 2, 6, 7},
                                      {0, 2, 3, 7}, {0, 1, 5, 7}, {0, 1, 3, 7}};
   std::vector<Vec3i> missed;
-  for_each_voxel(u.topology, [&](const Vec3i& cell, std::size_t) {
+  for_each_slot(u.topology, [&](const Vec3i& cell, std::size_t) {
     Vec3d corners[8];
     if (!has_all_neighbours(u, cell) || !deformed_corners(u, cell, corners)) return;
     for (const auto& vertices : kTetrahedra) {
@@ -113,7 +113,7 @@ TEST(PropertyInvert, RegionsThatDidNotMoveStayExactlyZeroBesideOnesThatDid) {
   const Displacement displacement =
       sample_displacement(bump, unit_geometry({48, 41, 41}), box_topology({0, 0, 0}, {47, 40, 40}));
   const OffsetField field = invert(displacement);
-  for_each_voxel(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(field.o.topology, [&](const Vec3i& v, std::size_t slot) {
     if (std::abs(v.x - 20) >= 7 || std::abs(v.z - 20) >= 7) {
       ASSERT_EQ(field.o.vectors.at(slot), Vec3f(0));
     }
@@ -124,7 +124,7 @@ TEST(PropertyInvert, ATranslationIsInvertedExactly) {
   for (const Vec3f& shift : {Vec3f(3, -17, 8), Vec3f(0.25f, -0.7f, 100.3f), Vec3f(0, 0, 1e-6f)}) {
     const BrickTopology where = box_topology({0, 0, 0}, {12, 9, 17});
     const OffsetField field = invert(displacement_on(where, [&](const Vec3i&) { return shift; }));
-    for_each_voxel(box_topology({-30, -30, -30}, {130, 30, 130}), [&](const Vec3i& x, std::size_t) {
+    for_each_slot(box_topology({-30, -30, -30}, {130, 30, 130}), [&](const Vec3i& x, std::size_t) {
       const Vec3d source = Vec3d(x) - Vec3d(shift);
       const bool covered = source.x >= -0.5 && source.x <= 12.5 && source.y >= -0.5 &&
                            source.y <= 9.5 && source.z >= -0.5 && source.z <= 17.5;
@@ -146,7 +146,7 @@ TEST(PropertyInvert, LinearWarpsGiveTheirAnalyticOffsets) {
                                                           box_topology({0, 0, 0}, {30, 30, 30}));
     const OffsetField field = invert(displacement);
     ASSERT_GT(field.o.topology.active_count(), 5000);
-    for_each_voxel(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
+    for_each_slot(field.o.topology, [&](const Vec3i& x, std::size_t slot) {
       ASSERT_LT((Vec3d(field.o.vectors.at(slot)) - warp.offset_voxels(Vec3d(x))).length(), 2e-5);
     });
     EXPECT_LE(field.certificate.residual_max, 1e-4);
@@ -181,7 +181,7 @@ TEST(PropertyInvert, NodesInTheLatticePlanesOfTheBorderAreCovered) {
       box_topology({0, 0, 0}, {20, 13, 12}),
       [](const Vec3i& v) { return Vec3f(0.25f * float(v.y) + 0.125f * float(v.z % 2), 0, 0); });
   const OffsetField field = invert(sheared);
-  for_each_voxel(box_topology({6, 0, 0}, {20, 13, 12}), [&](const Vec3i& x, std::size_t) {
+  for_each_slot(box_topology({6, 0, 0}, {20, 13, 12}), [&](const Vec3i& x, std::size_t) {
     Vec3f o;
     ASSERT_TRUE(field.o.at(x, o)) << x;
     EXPECT_NEAR(o.x, -0.25 * x.y - 0.125 * (x.z % 2), 1e-5);
@@ -244,7 +244,7 @@ TEST(PropertyInvert, WantedBricksHoldWhatTheyWouldAmongAllAndOthersInReachNothin
   const BrickTopology body = ball({44, 44, 44}, 28);
   // One half of the ball moves, the other one is at rest.
   Displacement moved = {unit_geometry({80, 80, 80}), {body, BrickVectors(body.brick_count())}};
-  for_each_voxel(body, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(body, [&](const Vec3i& v, std::size_t slot) {
     if (v.x <= 44) return;
     const float way = std::min(6.0F, 0.3F * float(v.x - 44));
     moved.u.vectors.set(slot, Vec3f(0, way, 0) + random_vector(random, 0.3F));
@@ -352,7 +352,7 @@ TEST(PropertyInvert, AFoldBetweenCornersIsCountedWhoeverSolvesTheCell) {
   const BrickTopology where = box_topology(Vec3i(0), Vec3i(20));
   const Displacement noisy = noisy_displacement(random, where, 0.45f);
   std::int64_t folded = 0, at_corners = 0;
-  for_each_voxel(where, [&](const Vec3i& cell, std::size_t) {
+  for_each_slot(where, [&](const Vec3i& cell, std::size_t) {
     CellCorners corners;
     for (int n = 0; n < 8; ++n) {
       Vec3f moved;
@@ -451,7 +451,7 @@ TEST(PropertyExtrapolate, ZeroOffsetsStayZeroAndTheBorderCanBeSampled) {
   const VectorBricks wider = extrapolate_into_bricks(zeros, 2);
   EXPECT_TRUE(wider.topology == dilate(zeros.topology, 2));
   for (const Vec3f& o : wider.vectors.all()) ASSERT_EQ(o, Vec3f(0));
-  for_each_voxel(zeros.topology, [&](const Vec3i& v, std::size_t) {
+  for_each_slot(zeros.topology, [&](const Vec3i& v, std::size_t) {
     Vec3d o;
     EXPECT_TRUE(wider.sample(Vec3d(v) + Vec3d(0.7, -0.6, 0.5), o));
   });

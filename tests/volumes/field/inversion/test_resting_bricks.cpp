@@ -42,7 +42,7 @@ void move_ball(std::mt19937& random, float shift, VectorBricks& u) {
   const Vec3d center = random_place(random, 4, 44);
   const Vec3f by = random_vector(random, shift);
   const double radius = 3 + double(random() % 7);
-  for_each_voxel(u.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(u.topology, [&](const Vec3i& v, std::size_t slot) {
     if ((Vec3d(v) - center).length() > radius) return;
     u.vectors.set(slot, by + random_vector(random, 0.3F));
   });
@@ -52,7 +52,7 @@ void move_ball(std::mt19937& random, float shift, VectorBricks& u) {
 void move_half(std::mt19937& random, VectorBricks& u) {
   const int first = 8 + 8 * int(random() % 7);
   const Vec3f by(-8.F - float(random() % 30), 0.25F * float(random() % 3), 0);
-  for_each_voxel(u.topology, [&](const Vec3i& v, std::size_t slot) {
+  for_each_slot(u.topology, [&](const Vec3i& v, std::size_t slot) {
     if (v.x >= first) u.vectors.set(slot, by);
   });
 }

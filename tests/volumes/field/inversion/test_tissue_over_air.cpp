@@ -51,7 +51,7 @@ struct Slabs : Body {
   /// Voxels of tissue that are not read where they are now.
   int lost() const {
     int count = 0;
-    for_each_voxel(elements, [&](const Vec3i& v, std::size_t) {
+    for_each_slot(elements, [&](const Vec3i& v, std::size_t) {
       Vec3f u(0), o(0);
       displacement.u.at(v, u);
       count += !offsets.o.at(v + Vec3i(u), o) || o != -u;
@@ -117,7 +117,7 @@ TEST(PropertyTissueOverAir, InAFoldedBodyNoNodeShowsAirThatTissueCovers) {
   const Body body(dims, ball, [&](const Vec3i&) { return random_vector(random, 1.2f); });
   const VectorBricks& u = body.displacement.u;
   std::map<Voxel, std::vector<Vec3d>> tissue;  // places that came to a node
-  for_each_voxel(u.topology, [&](const Vec3i& cell, std::size_t) {
+  for_each_slot(u.topology, [&](const Vec3i& cell, std::size_t) {
     CellCorners corners;
     for (int n = 0; n < 8; ++n) {
       const Vec3i step(n >> 2, n >> 1 & 1, n & 1);
@@ -187,7 +187,7 @@ TEST(PropertyTissueOverAir, SamplesThatSolveForThemselvesFindTheTissue) {
       const Slabs slabs(by, moved);
       const ForwardOffsets offsets(slabs.displacement, &slabs.elements);
       int lost = 0;
-      for_each_voxel(slabs.elements, [&](const Vec3i& v, std::size_t) {
+      for_each_slot(slabs.elements, [&](const Vec3i& v, std::size_t) {
         Vec3f u(0);
         slabs.displacement.u.at(v, u);
         const Vec3i at = v + Vec3i(u);

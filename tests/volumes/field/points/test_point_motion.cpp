@@ -144,7 +144,7 @@ TEST(PropertyPointMotion, TheWayBackHasTheOffsetsOfTheInverse) {
   ASSERT_EQ(body.offsets.certificate.folded_cells, 0);
   const auto to_rest = body.to_rest();
   int nodes = 0;
-  for_each_voxel(body.offsets.o.topology, [&](const Vec3i& x, std::size_t slot) {
+  for_each_slot(body.offsets.o.topology, [&](const Vec3i& x, std::size_t slot) {
     const MovedPoint moved = to_rest->move(Vec3d(x));
     const Vec3d expected = Vec3d(x) + Vec3d(body.offsets.o.vectors.at(slot));
     EXPECT_LT((moved.to_lps_mm - expected).length(), 1e-3) << x;

@@ -95,7 +95,7 @@ TEST(PropertyPointsBesideCuts, ThereAndBackAgainIsTheSamePlaceOrANamedOne) {
     if (body.offsets.split == nullptr) continue;
     const Geometry& geometry = body.extended.geometry;
     const auto along = body.along(), to_rest = body.to_rest();
-    for_each_voxel(body.elements, [&](const Vec3i& voxel, std::size_t) {
+    for_each_slot(body.elements, [&](const Vec3i& voxel, std::size_t) {
       for (int n = 0; n < kCellCorners; ++n) {
         const Vec3d X = Vec3d(voxel) - Vec3d(0.375, 0.25, 0.3125) + Vec3d(cell_corner(n)) * 0.5;
         const MovedPoint there = along->move(geometry.world_from_index(X));
