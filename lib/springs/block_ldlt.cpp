@@ -28,19 +28,19 @@ std::vector<int> elimination_order(int rows, const std::vector<std::array<int, 2
 }
 
 /// A column of a block, in one register where the machine has such.
-using Lanes = Pack<double, 4>;
+using ColumnPack = Pack<double, 4>;
 
 template <class Block>
-inline Lanes column_of(const Block& a, int c) {
-  return load_pack<Lanes>(a.column[c]);
+inline ColumnPack column_of(const Block& a, int c) {
+  return load_pack<ColumnPack>(a.column[c]);
 }
 
 /// y -= a b^T, a by its columns.
 template <class Block>
-inline void subtract_product(Block& y, const Lanes& a0, const Lanes& a1, const Lanes& a2,
-                             const Block& b) {
+inline void subtract_product(Block& y, const ColumnPack& a0, const ColumnPack& a1,
+                             const ColumnPack& a2, const Block& b) {
   for (int c = 0; c < 3; ++c) {
-    const Lanes sum =
+    const ColumnPack sum =
         column_of(y, c) - a0 * b.column[0][c] - a1 * b.column[1][c] - a2 * b.column[2][c];
     std::memcpy(y.column[c], &sum, sizeof sum);
   }
@@ -170,7 +170,7 @@ bool BlockLdlt::factorise(const std::vector<SymmetricBlock>& diagonal,
       const Block y = m_work[i];
       m_work[i] = Block{};
       const int end = m_filled[i];
-      const Lanes y0 = column_of(y, 0), y1 = column_of(y, 1), y2 = column_of(y, 2);
+      const ColumnPack y0 = column_of(y, 0), y1 = column_of(y, 1), y2 = column_of(y, 2);
       for (int p = m_column_begin[i]; p < end; ++p) {
         subtract_product(m_work[m_row[p]], y0, y1, y2, m_lower[p]);
       }
