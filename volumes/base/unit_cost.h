@@ -1,5 +1,5 @@
-// Costs of units of work, each beside the code that does the work. Plans multiply them, and
-// `supple bench --calibrate` measures those of a machine (tools/scene/plan/unit_costs.h).
+// Costs of units of work, each beside the code that does the work. Plans multiply them, and a
+// calibration measures those of a machine (tools/scene/plan/unit_costs.h).
 #pragma once
 
 namespace supple {
