@@ -57,8 +57,9 @@ Value keys_that_hold(const Table& table) {
   PlacedSelection selection;
   for (const Field& field : fields(selection)) names.insert(field.name());
   names.erase("path");
+  const Value written = table.written();
   Value keys = Value::table();
-  for (const auto& [name, value] : table.written().entries()) {
+  for (const auto& [name, value] : written.entries()) {
     if (names.count(name) != 0) keys[name] = value;
   }
   return keys;
