@@ -32,9 +32,9 @@ int run_calibration(const GlobalOptions& global, Console& console) {
   write_costs(path, costs);
   console.note("wrote " + path);
   if (global.json) {
-    std::printf("%s\n", json_text(fields_value(fields(costs))).c_str());
+    std::printf("%s\n", json_text(fields_value(costs.fields())).c_str());
   } else if (!global.quiet) {
-    for (const Field& field : fields(costs)) {
+    for (const Field& field : costs.fields()) {
       const bool is_number = field.holds<double>();
       const std::string value =
           is_number ? number_text(*std::get<double*>(field.target())) : field.text();

@@ -20,14 +20,14 @@ namespace {
 
 constexpr int kEdge = 40;
 
-MaterialTable tissue() {
+MaterialTable cost_tissue() {
   MaterialTable table = linear_table(1.5, 0.6, 0.7);
   table.stiffness = Curve{{{0, 10}}};
   return table;
 }
 
-Body block_of(const Vec3i& dims) {
-  return body_of(full_block(dims, tissue(), [](int, int, int) { return 255.0; }));
+Body cost_block(const Vec3i& dims) {
+  return body_of(full_block(dims, cost_tissue(), [](int, int, int) { return 255.0; }));
 }
 
 double allocated_bytes() {
@@ -64,7 +64,7 @@ struct Bench {
   std::vector<Handle> handles;
 
   explicit Bench(const Vec3i& dims)
-      : body(block_of(dims)),
+      : body(cost_block(dims)),
         anchors{Region({0, 0, 0}, {0, dims.y - 1, dims.z - 1})},
         handles{{Vec3i(dims.x - 1, dims.y / 2, dims.z / 2), {int(kFixedOne) / 2, 0, 0}}} {}
   HeldBody held() { return {body, anchors, holds}; }
