@@ -33,7 +33,7 @@ double to_number(const std::string& option, const std::string& text) {
   char* end = nullptr;
   const double value = std::strtod(text.c_str(), &end);
   if (text.empty() || end != text.c_str() + text.size()) {
-    throw UsageError(to_line({"", option, "'" + text + "'", "a number"}));
+    refuse_option(option, text, "a number");
   }
   return value;
 }
@@ -54,7 +54,7 @@ Value value_of(const Field& field, const std::string& option, const std::string&
     const std::vector<std::string>& names = field.names();
     const std::string part = field.name_for(word);
     if (!names.empty() && std::find(names.begin(), names.end(), part) == names.end()) {
-      throw UsageError(to_line({"", option, "'" + word + "'", field.allowed()}));
+      refuse_option(option, word, field.allowed());
     }
     list.push_back(part);
   }
@@ -137,8 +137,7 @@ Value number_value(const std::string& option, const std::string& text) {
 Value numbers_value(const std::string& option, const std::string& text, std::size_t count) {
   const std::vector<std::string> parts = split(text, ',');
   if (parts.size() != count) {
-    throw UsageError(to_line(
-        {"", option, "'" + text + "'", std::to_string(count) + " numbers, comma-separated"}));
+    refuse_option(option, text, std::to_string(count) + " numbers, comma-separated");
   }
   Value list = Value::list();
   for (const std::string& part : parts) list.push_back(number_value(option, part));

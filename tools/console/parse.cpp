@@ -18,11 +18,6 @@ namespace supple::tools {
 
 namespace {
 
-[[noreturn]] void throw_unparsed(const std::string& option, const std::string& text,
-                                 const std::string& expected) {
-  throw UsageError(to_line({"", option, "'" + text + "'", expected}));
-}
-
 bool read_int(const std::string& text, int& value) {
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
@@ -49,13 +44,18 @@ bool is_place(const std::vector<std::string>& corners) {
 
 }  // namespace
 
+void refuse_option(const std::string& option, const std::string& text,
+                   const std::string& expected) {
+  throw UsageError(to_line({"", option, "'" + text + "'", expected}));
+}
+
 NamedFile named_file(const std::string& option, const std::string& text) {
   static const char* const kAllowed =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-.";
   const std::size_t sign = text.find('=');
   if (sign == 0 || sign == std::string::npos || sign + 1 == text.size() ||
       text.substr(0, sign).find_first_not_of(kAllowed) != std::string::npos) {
-    throw_unparsed(option, text, "QUANTITY=FILE, such as von_mises=stress.nrrd");
+    refuse_option(option, text, "QUANTITY=FILE, such as von_mises=stress.nrrd");
   }
   return {text.substr(0, sign), text.substr(sign + 1)};
 }
@@ -73,11 +73,11 @@ IndexBox parse_box(const std::string& option, const std::string& text) {
   Vec3i a, b;
   if (corners.empty() || corners.size() > 2 || !read_voxel(corners.front(), a) ||
       !read_voxel(corners.back(), b)) {
-    throw_unparsed(option, text,
-                   std::string("I,J,K, a box I,J,K:I,J,K, label:N or a FILE.csv") +
-                       (is_place(corners) ? " (voxels are whole numbers; places in LPS mm stand in "
-                                            "a file with columns x,y,z)"
-                                          : ""));
+    refuse_option(option, text,
+                  std::string("I,J,K, a box I,J,K:I,J,K, label:N or a FILE.csv") +
+                      (is_place(corners) ? " (voxels are whole numbers; places in LPS mm stand in "
+                                           "a file with columns x,y,z)"
+                                         : ""));
   }
   IndexBox box;
   for (int axis = 0; axis < 3; ++axis) {
@@ -93,7 +93,7 @@ std::optional<std::string> parse_label(const std::string& option, const std::str
   const std::string label = text.substr(prefix.size());
   const bool is_name = label.find_first_not_of("0123456789") != std::string::npos;
   if (!is_name && !find_label({}, label)) {
-    throw_unparsed(
+    refuse_option(
         option, text,
         "label:N with N from 1 to " + std::to_string(kMaxLabel) + ", or the name of a segment");
   }
@@ -118,11 +118,6 @@ bool take_prefix(const std::string& prefix, std::string& text) {
   if (text.compare(0, prefix.size(), prefix) != 0) return false;
   text.erase(0, prefix.size());
   return true;
-}
-
-[[noreturn]] void throw_form(const std::string& option, const std::string& text,
-                             const std::string& expected) {
-  throw UsageError(to_line({"", option, "'" + text + "'", expected}));
 }
 
 GrabText of_table(const std::string& option, const std::string& text) {
@@ -157,14 +152,15 @@ GrabText parse_grab(const std::string& option, const std::string& text) {
   std::string rest = text;
   if (take_prefix("ball:", rest)) {
     const std::size_t colon = rest.rfind(':');
-    if (colon == std::string::npos) throw_form(option, text, "ball:I,J,K:RADIUS, the radius in mm");
+    if (colon == std::string::npos)
+      refuse_option(option, text, "ball:I,J,K:RADIUS, the radius in mm");
     GrabText ball = at_place("grab_ball", option, rest.substr(0, colon));
     ball.keys["radius"] = number_value(option, rest.substr(colon + 1));
     return ball;
   }
   if (take_prefix("density:", rest)) {
     const std::vector<std::string> ends = split(rest, ':');
-    if (ends.size() != 2) throw_form(option, text, "density:LEAST:LARGEST");
+    if (ends.size() != 2) refuse_option(option, text, "density:LEAST:LARGEST");
     return {{{"grab_density", {number_value(option, ends[0]), number_value(option, ends[1])}}}};
   }
   if (take_prefix("piece:", rest)) return at_place("piece_at", option, rest);

@@ -12,6 +12,9 @@
 
 namespace supple::tools {
 
+/// Throws UsageError for the text of an option.
+[[noreturn]] void refuse_option(const std::string& option, const std::string& text,
+                                const std::string& expected);
 /// The parts between separators.
 std::vector<std::string> split(const std::string& text, char separator);
 /// "NAME=FILE", the name of letters, digits, '_', '-' and '.'.

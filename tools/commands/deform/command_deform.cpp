@@ -61,7 +61,7 @@ Value handle_tables(const DeformOptions& options) {
 const char* list_of_load(const Value& load, const std::string& text) {
   const bool is_force = load.contains("force_n"), is_pressure = load.contains("pressure_kpa");
   if (is_force != is_pressure) return is_force ? "forces" : "pressures";
-  throw UsageError(to_line({"", "--load", "'" + text + "'", "one of force_n and pressure_kpa"}));
+  refuse_option("--load", text, "one of force_n and pressure_kpa");
 }
 
 void set_loads(const std::vector<std::string>& loads, SceneOptions& given) {

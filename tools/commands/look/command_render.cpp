@@ -35,8 +35,7 @@ struct RenderOptions {
 std::pair<std::string, std::string> halves(const std::string& option, const std::string& text,
                                            const char* expected) {
   const std::size_t colon = text.find(':');
-  if (colon == std::string::npos)
-    throw UsageError(to_line({"", option, "'" + text + "'", expected}));
+  if (colon == std::string::npos) refuse_option(option, text, expected);
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
@@ -62,8 +61,7 @@ Value clip_tables(const RenderOptions& options) {
 }
 
 Value colour_value(const std::string& option, const std::string& text) {
-  if (!parse_colour(text))
-    throw UsageError(to_line({"", option, "'" + text + "'", "a colour #RRGGBB"}));
+  if (!parse_colour(text)) refuse_option(option, text, "a colour #RRGGBB");
   return text;
 }
 
@@ -73,8 +71,7 @@ Value light_table(const std::string& text) {
   const bool is_of_camera = !parts.empty() && parts.front() == "camera";
   if (is_of_camera) parts.erase(parts.begin());
   if (parts.empty() || parts.size() > 3) {
-    throw UsageError(
-        to_line({"", "--light", "'" + text + "'", "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]"}));
+    refuse_option("--light", text, "[camera:]X,Y,Z[:INTENSITY[:#RRGGBB]]");
   }
   Value table = {{"direction", numbers_value("--light", parts[0])}};
   if (is_of_camera) table["frame"] = "camera";
@@ -90,7 +87,7 @@ Value mesh_table(const RenderOptions& options, const std::string& text) {
   if (colour != std::string::npos) {
     const std::vector<std::string> parts = split(text.substr(colour + 1), ':');
     if (parts.size() > 2) {
-      throw UsageError(to_line({"", "--mesh", "'" + text + "'", "FILE[:#RRGGBB[:OPACITY]]"}));
+      refuse_option("--mesh", text, "FILE[:#RRGGBB[:OPACITY]]");
     }
     table["colour"] = colour_value("--mesh", parts[0]);
     if (parts.size() > 1) table["opacity"] = number_value("--mesh", parts[1]);
