@@ -112,7 +112,7 @@ TEST(UnitOwnModel, ACommandHasItsOptionsAndHelpNamesThem) {
       block.said({"deform", block.folder / "block.nhdr", "--material",
                   block.folder / "material.toml", "--grab", "5,5,5", "--by", "3,0,0", "--model",
                   "creep", "--creep-voxels", "1.5", "-o", block.folder / "out.vdb"});
-  EXPECT_TRUE(has(told, "creep           {\"steps\": 3")) << told;
+  EXPECT_TRUE(has(told, "creep           {\"steps\":3,")) << told;
 }
 
 TEST(UnitOwnModel, APlanCountsItsCost) {
