@@ -1,21 +1,13 @@
-# Copies the public headers from `source` and `generated` to `target`. Those of plugins, of
-# vectorised kernels (-inl.h) and of the thesis' reference algorithms stay behind.
-# `tools/scene` becomes `scene`.
-file(GLOB_RECURSE headers RELATIVE ${source}
-     ${source}/volumes/*.h ${source}/lib/*.h ${source}/raycast/*.h ${source}/tools/scene/*.h)
-list(FILTER headers EXCLUDE REGEX "/plugin/|-inl\\.h$|/reference/|_plugin\\.h$")
-set(places)
+# Copies the public headers (PublicHeaders.txt) from `source` and `generated` to `target`.
+# `tools/scene` becomes `scene`, and `tools/library/supple.h` stands above all.
+file(STRINGS "${source}/cmake/PublicHeaders.txt" headers REGEX "^[^#]")
 foreach(header IN LISTS headers)
-  list(APPEND places "${source}/${header}|${header}")
-endforeach()
-list(APPEND places "${generated}/volumes/base/version.h|volumes/base/version.h"
-                   "${source}/tools/library/supple.h|supple.h")
-foreach(place IN LISTS places)
-  string(REGEX REPLACE "^(.*)\\|(.*)$" "\\1;\\2" pair "${place}")
-  list(GET pair 0 from)
-  list(GET pair 1 to)
+  set(from "${source}/${header}")
+  if(NOT EXISTS "${from}")
+    set(from "${generated}/${header}")
+  endif()
   file(READ "${from}" text)
-  string(REGEX REPLACE "^tools/" "" to "${to}")
+  string(REGEX REPLACE "^tools/(library/)?" "" to "${header}")
   string(REGEX REPLACE "#include \"(tools/)?((volumes|lib|raycast|scene)/[^\"]+)\""
                        "#include <supple/\\2>" text "${text}")
   file(WRITE "${target}/${to}" "${text}")

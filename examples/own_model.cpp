@@ -4,14 +4,15 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
 
-#include <supple/lib/model/voxel_ecm_model.h>
+#include <supple/lib/model/model.h>
 #include <supple/supple.h>
 
 // [model]
 class Creep final : public supple::Model<supple::Handle> {
  public:
-  explicit Creep(const supple::HeldBody& held) : m_ecm(held) {}
+  explicit Creep(const supple::HeldBody& held) : m_ecm(supple::make_ecm_model(held)) {}
 
   void move(const std::vector<supple::Handle>& handles, int steps, supple::Progress*) override {
     m_left = handles;
@@ -28,18 +29,18 @@ class Creep final : public supple::Model<supple::Handle> {
       }
     }
     if (!moves || m_most-- <= 0) return false;
-    m_ecm.move(now, 1, nullptr);
+    m_ecm->move(now, 1, nullptr);
     return true;
   }
-  supple::ModelEnergy energy() override { return m_ecm.energy(); }
+  supple::ModelEnergy energy() override { return m_ecm->energy(); }
   std::vector<supple::Reaction> reactions(const std::vector<supple::Handle>& handles) override {
-    return m_ecm.reactions(handles);
+    return m_ecm->reactions(handles);
   }
-  void store() override { m_ecm.store(); }
+  void store() override { m_ecm->store(); }
 
  private:
   static constexpr std::int32_t kVoxel = 1 << supple::kFixedBits;
-  supple::VoxelEcmModel m_ecm;
+  std::unique_ptr<supple::Model<supple::Handle>> m_ecm;
   std::vector<supple::Handle> m_left;
   int m_most = 0;
 };

@@ -3,8 +3,8 @@
 // Cancelled by whoever answers true in Progress::cancelled(); nothing is left behind then.
 #include <cstdio>
 
-#include <supple/scene/plan/planned_run.h>
-#include <supple/scene/run/output_plan.h>
+#include <supple/scene/plan/scene_plan.h>
+#include <supple/scene/run/scene_run.h>
 #include <supple/supple.h>
 
 namespace {
@@ -25,15 +25,17 @@ int main(int argc, char** argv) try {
   if (argc != 3) return std::fprintf(stderr, "usage: run_scene SCENE.toml FOLDER\n"), 2;
   Lines progress;
   // [scene]
-  const supple::tools::Scene scene = supple::tools::read_scene(argv[1]);
-  constexpr bool kMayOverwrite = true;
-  supple::tools::check_scene(scene, argv[2], kMayOverwrite);  // before anything is computed
-  supple::tools::SceneRun run(scene, argv[2], true, progress);
-  const supple::tools::ScenePlan plan = supple::tools::plan_of(scene, run);
+  const auto scene = supple::tools::open_scene(argv[1]);
+  constexpr bool kMayOverwrite = true;  // all is checked before anything is computed
+  const auto files = supple::tools::planned_files(*scene, argv[2], kMayOverwrite);
+  supple::tools::SceneRun run(*scene, argv[2], true, progress);
+  const supple::tools::ScenePlan plan = supple::tools::plan_of(*scene, run);
   run.run();
   // [scene]
-  std::printf("%zu files; planned %.3g MB and %.3g s\n", scene.outputs().size(), plan.peak_mb,
-              plan.seconds);
+  for (const supple::tools::PlanRow& row : plan.rows) {
+    std::printf("%s: %s, %.3g s\n", row.stage.c_str(), row.what.c_str(), row.seconds);
+  }
+  std::printf("%zu files; planned %.3g MB and %.3g s\n", files.size(), plan.peak_mb, plan.seconds);
   return 0;
 } catch (const supple::Error& error) {
   return std::fprintf(stderr, "run_scene: %s\n", error.what()), 1;

@@ -5,9 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "raycast/scene/camera.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
 
 namespace supple {

@@ -8,14 +8,12 @@
 #include <vector>
 
 #include "raycast/march/render_settings.h"
-#include "raycast/pictures/float_image.h"
-#include "raycast/sample/source_bricks.h"
+#include "raycast/pictures/image.h"
 #include "raycast/scene/camera.h"
 #include "raycast/scene/surface.h"
 #include "raycast/scene/transfer_function.h"
 #include "volumes/base/progress.h"
 #include "volumes/field/offset_field.h"
-#include "volumes/field/vector_bricks.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/density_grid.h"
 

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "lib/body/body.h"
-#include "lib/body/holds.h"
+#include "lib/body/slot_set.h"
 
 namespace supple {
 

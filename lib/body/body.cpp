@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 
 namespace supple {
 

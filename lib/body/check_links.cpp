@@ -6,8 +6,8 @@
 #include <array>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
 #include "lib/body/link_masks.h"
+#include "lib/body/slot_set.h"
 #include "volumes/base/parallel.h"
 
 namespace supple {

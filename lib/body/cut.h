@@ -17,7 +17,7 @@
 #include <functional>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "volumes/io/mesh/triangle_mesh.h"
 
 namespace supple {

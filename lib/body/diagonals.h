@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "lib/body/lattice.h"
-#include "lib/material/link_direction.h"
+#include "lib/body/slot_set.h"
+#include "lib/material/material.h"
 
 namespace supple {
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "lib/body/body.h"
-#include "lib/body/holds.h"
+#include "lib/body/slot_set.h"
 
 namespace supple {
 

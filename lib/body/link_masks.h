@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "lib/material/link_direction.h"
+#include "lib/material/material.h"
 #include "volumes/grid/brick_topology.h"
 #include "volumes/grid/link_cuts.h"
 

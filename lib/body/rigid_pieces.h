@@ -13,7 +13,6 @@
 
 #include "lib/body/slot_set.h"
 #include "volumes/geometry/geometry.h"
-#include "volumes/geometry/turn.h"
 #include "volumes/grid/brick_values.h"
 
 namespace supple {

@@ -20,36 +20,11 @@
 
 #include "lib/body/body.h"
 #include "lib/body/region.h"
+#include "lib/chainmail/drag.h"
 #include "lib/chainmail/ecm.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-/// first_moved_first is the original ChainMail's order, there to show how much the order matters.
-enum class BallOrder { largest_violation_first, first_moved_first };
-
-struct BallParams {
-  /// Excess over its limits, in rest lengths, that a link may keep.
-  double tolerance = 1e-3;
-  /// The drag ends after this many moves per element that moved, on average over them.
-  int moves_per_element = 100;
-  BallOrder order = BallOrder::largest_violation_first;
-
-  /// Throws InputError: tolerance outside 1e-4 ... 1, no moves.
-  void validate() const;
-};
-
-struct BallReport {
-  std::int64_t moves = 0;          // of candidates, repeated ones included
-  std::int64_t moved = 0;          // elements whose offset changed
-  bool capped = false;             // moves_per_element ended it
-  std::int64_t links = 0;          // that end at an element that moved
-  std::int64_t violated = 0;       // of these, beyond the tolerance
-  double worst_excess_voxels = 0;  // of these, in rest lengths of the link
-  std::int64_t max_queue = 0;      // links that waited at one time
-  std::size_t bytes = 0;           // working memory
-  double milliseconds = 0;
-};
 
 /// Moves the handles by the whole and lets the body follow. Elements of handles and anchors never
 /// move as candidates: a link from a moved element to one of them moves the element back. Handles

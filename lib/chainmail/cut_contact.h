@@ -13,10 +13,10 @@
 #include <functional>
 #include <memory>
 
-#include "lib/body/holds.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/projection.h"
+#include "lib/contact/collider_contact.h"
 #include "lib/contact/cut_lips.h"
-#include "lib/contact/sides_report.h"
 #include "volumes/base/progress.h"
 
 namespace supple {

@@ -1,5 +1,5 @@
 // One visit of a brick whose material has diagonals: as the visit of block_propagate.cpp, with 26
-// neighbours in place of 6. Sides are directions (lib/material/link_direction.h).
+// neighbours in place of 6. Sides are directions (lib/material/material.h).
 #pragma once
 
 #include <vector>

@@ -127,13 +127,25 @@ Drags solve(std::array<MeshValues, 3>& values, const HeldNodes& held, Fraction& 
 
 }  // namespace
 
+struct MeshEcm::Coordinates {
+  Coordinates(const MeshBody& body, const std::vector<MeshLimits>& limits)
+      : links(body, limits),
+        values{MeshValues(links, 0), MeshValues(links, 1), MeshValues(links, 2)} {}
+
+  MeshLinks links;
+  std::array<MeshValues, 3> values;
+};
+
 MeshEcm::MeshEcm(MeshBody& body, const MeshLimits& limits)
     : MeshEcm(body, std::vector<MeshLimits>(body.links.size(), limits)) {}
 
 MeshEcm::MeshEcm(MeshBody& body, const std::vector<MeshLimits>& limits)
     : m_body(body),
-      m_links(body, limits),
-      m_values{MeshValues(m_links, 0), MeshValues(m_links, 1), MeshValues(m_links, 2)} {}
+      m_coordinates(std::make_unique<Coordinates>(body, limits)),
+      m_links(m_coordinates->links),
+      m_values(m_coordinates->values) {}
+
+MeshEcm::~MeshEcm() = default;
 
 Vec3d MeshEcm::place_of(Slot node) const {
   const Vec3d offset(m_values[0].value(node), m_values[1].value(node), m_values[2].value(node));

@@ -12,15 +12,22 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "lib/chainmail/ecm.h"
-#include "lib/chainmail/mesh_links.h"
-#include "lib/chainmail/mesh_values.h"
+#include "lib/chainmail/drag.h"
 #include "lib/mesh/mesh_body.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
+
+class MeshLinks;
+class MeshValues;
+
+/// Factors of a link's rest length: 0 < min_length <= 1 <= max_length, shear >= 0, finite.
+struct MeshLimits {
+  double max_length, min_length, shear;
+};
 
 /// Indices of nodes that are held together; one that is named twice counts once.
 using NodeSet = std::vector<int>;
@@ -66,6 +73,7 @@ class MeshEcm {
   MeshEcm(MeshBody& body, const MeshLimits& limits);
   /// Takes one entry of limits per link of the body.
   MeshEcm(MeshBody& body, const std::vector<MeshLimits>& limits);
+  ~MeshEcm();
   MeshEcm(const MeshEcm&) = delete;
   MeshEcm& operator=(const MeshEcm&) = delete;
 
@@ -101,8 +109,10 @@ class MeshEcm {
   std::int64_t count_moved() const;
 
   MeshBody& m_body;
-  MeshLinks m_links;
-  std::array<MeshValues, 3> m_values;
+  struct Coordinates;
+  std::unique_ptr<Coordinates> m_coordinates;
+  const MeshLinks& m_links;
+  std::array<MeshValues, 3>& m_values;
   bool m_is_valid = true;  // the values, whatever the positions are
 };
 

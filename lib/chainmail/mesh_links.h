@@ -26,16 +26,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
+#include "lib/chainmail/mesh_ecm.h"
 #include "lib/material/material.h"
 #include "lib/mesh/mesh_body.h"
 
 namespace supple {
-
-/// Factors of a link's rest length: 0 < min_length <= 1 <= max_length, shear >= 0, finite.
-struct MeshLimits {
-  double max_length, min_length, shear;
-};
 
 /// Slack of a link a -> b with rest difference r = rest_b - rest_a in mm, in 2^-16 mm. A link of
 /// length 0 has none: its ends move as one.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/mesh_ecm.h"
 #include "volumes/base/error.h"
 

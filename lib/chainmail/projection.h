@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "lib/body/holds.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/free_pieces.h"
 #include "lib/chainmail/propagate.h"
 #include "lib/contact/contact_link.h"

@@ -11,15 +11,10 @@
 #include <vector>
 
 #include "lib/chainmail/block_propagate.h"
+#include "lib/chainmail/drag.h"
 #include "lib/chainmail/flat_propagate.h"
 
 namespace supple {
-
-/// automatic: flat where bricks hold fewer than 24 elements on average (chains, wires, dust);
-/// sheets one voxel thick fill 64 of 512 lanes and still gain from bricks, as axes without links
-/// are skipped.
-enum class Engine { automatic, block, flat };
-const char* name_of(Engine engine);
 
 /// Keeps queues and tables between runs, so that a local run costs what it moves.
 class Propagator {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/direction.h"
 #include "lib/chainmail/undo_log.h"
 #include "volumes/base/progress.h"

@@ -16,7 +16,7 @@
 #include <cstdint>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 
 namespace supple {
 

@@ -41,37 +41,12 @@
 
 #include "lib/body/body.h"
 #include "lib/body/region.h"
+#include "lib/chainmail/drag.h"
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/tight_limits.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-struct TightenParams {
-  int iterations = 20;  // at most
-  /// Excess over its tightened limits, in rest lengths, beyond which a link counts as violated.
-  double tolerance = 1e-3;
-
-  /// Throws InputError: iterations outside 0 ... 1000, tolerance outside 1e-4 ... 1.
-  void validate() const;
-};
-
-struct TightenReport {
-  std::int64_t projected_links = 0;  // of an invalid start
-  double projected_max_voxels = 0;
-  std::int64_t projected_held = 0;  // elements that are held but that it had to move
-  int iterations = 0;               // that were kept
-  bool settled = false;             // no excess is left, or another iteration would not lower it
-  std::int64_t moved = 0;           // elements whose offset changed
-  /// Links whose limits the result tightens, and those of them that miss these by more than the
-  /// tolerance, in rest lengths of the link.
-  std::int64_t links = 0, violated = 0;
-  double worst_excess_voxels = 0;
-  /// Length that all links miss together, as the root of the sum of squares, in the start and the
-  /// result.
-  double excess_before_voxels = 0, excess_voxels = 0;
-  double milliseconds = 0;
-};
 
 /// Tightens the body's present state. Elements of `fixed` and those that `held` holds still do not
 /// move, those of push handles stay at or beyond where they were pushed to. A start that is not

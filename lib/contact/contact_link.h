@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 
 namespace supple {
 

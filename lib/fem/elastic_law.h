@@ -6,25 +6,9 @@
 #include <array>
 
 #include "lib/body/body.h"
+#include "lib/fem/fem_report.h"
 
 namespace supple {
-
-/// Small displacements, of which forces are linear; or any (neo-Hookean, voxel/finite_strain.h).
-enum class StrainTheory { linear, finite };
-
-/// The volumetric strain of an element: its mean, or that of each point of integration.
-enum class Dilatation { mean, pointwise };
-/// Elements that touch by an edge or a corner alone: with nodes of their own, or with shared ones.
-enum class Touching { apart, joined };
-
-/// Conventions by which programs make elements of voxels.
-struct ElementChoice {
-  Dilatation dilatation = Dilatation::mean;
-  Touching touching = Touching::apart;
-
-  ElementChoice() = default;
-  ElementChoice(Dilatation of, Touching by = Touching::apart) : dilatation(of), touching(by) {}
-};
 
 /// Elastic constants per material class.
 struct ElasticTable {

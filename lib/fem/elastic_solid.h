@@ -7,23 +7,12 @@
 #include <vector>
 
 #include "lib/fem/elastic_law.h"
+#include "lib/fem/fem_report.h"
 #include "lib/fem/nodal_loads.h"
 #include "lib/fem/operator.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-/// Treatment of islands: pieces of the body whose rigid motions nothing prevents.
-enum class LooseIslands {
-  hold,   // their nodes stay where they are, and what acts on them is carried by what holds them
-  refuse  // an error
-};
-
-struct LooseCount {
-  std::int64_t islands = 0;        // in all
-  std::int64_t loose_islands = 0;  // with fewer than six of the rigid motions prevented
-  std::int64_t loose_elements = 0;
-};
 
 /// Connected pieces of a body.
 struct NodePieces {

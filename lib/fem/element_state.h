@@ -6,6 +6,7 @@
 #include <string_view>
 #include <utility>
 
+#include "lib/fem/fem_report.h"
 #include "volumes/base/vec.h"
 
 namespace supple {
@@ -25,41 +26,6 @@ struct ElementState {
   double energy_density_kpa;  // mean of the element, per volume at rest; kPa are mJ/cm^3
 };
 
-enum class FemQuantity {
-  von_mises,    // kPa
-  pressure,     // kPa, positive where it is compressed
-  principal_1,  // kPa, the largest principal stress
-  principal_2,
-  principal_3,
-  energy_density,  // kPa
-  strain_1,        // the largest principal strain
-  strain_3,        // the smallest
-  volume_strain
-};
-constexpr std::array<std::pair<FemQuantity, std::string_view>, 9> kFemQuantities{
-    {{FemQuantity::von_mises, "von_mises"},
-     {FemQuantity::pressure, "pressure"},
-     {FemQuantity::principal_1, "principal_1"},
-     {FemQuantity::principal_2, "principal_2"},
-     {FemQuantity::principal_3, "principal_3"},
-     {FemQuantity::energy_density, "energy_density"},
-     {FemQuantity::strain_1, "strain_1"},
-     {FemQuantity::strain_3, "strain_3"},
-     {FemQuantity::volume_strain, "volume_strain"}}};
 double value_of(const ElementState& state, FemQuantity quantity);
-
-/// Angles of rotation, and principal strains by their amount.
-struct MotionLimits {
-  double rotation_deg = 5, strain = 0.05;
-};
-/// The largest of all elements, where they are, and how many elements are beyond the limits.
-struct LargestMotion {
-  double rotation_deg = 0, strain = 0;
-  Vec3i turned{0, 0, 0}, strained{0, 0, 0};  // voxels of the mesh
-  std::int64_t beyond = 0;
-
-  /// Takes the larger one of two sets of elements, or of two times; of equal ones the first.
-  void take(const LargestMotion& other);
-};
 
 }  // namespace supple

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "lib/fem/fem_solution.h"
 #include "volumes/base/units.h"
 
 namespace supple {

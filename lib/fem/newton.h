@@ -17,7 +17,7 @@
 
 #include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/elastic_solid.h"
-#include "lib/fem/newton_report.h"
+#include "lib/fem/fem_report.h"
 #include "lib/fem/nodal_loads.h"
 #include "lib/fem/operator.h"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "lib/body/rigid_pieces.h"
+#include "lib/fem/fem_report.h"
 #include "volumes/base/vec.h"
 
 namespace supple {
@@ -16,9 +17,6 @@ using NodeIndex = std::int32_t;
 /// Held components of a node: bit a for component a of LPS.
 using HeldBits = std::vector<std::uint8_t>;
 constexpr std::uint8_t kAllHeld = 7;
-
-/// Displacements in mm, LPS, three per node: of an equilibrium from which another goes on.
-using NodeStart = std::vector<float>;
 
 /// The loads at the nodes, three values each.
 struct NodalLoads {

@@ -12,11 +12,12 @@
 #include <utility>
 #include <vector>
 
-#include "lib/material/link_direction.h"
+#include "volumes/base/text.h"
 #include "volumes/base/vec.h"
-#include "volumes/grid/labels.h"
 
 namespace supple {
+
+class Table;
 
 /// Curve that is piecewise linear through (density, value) key points, constant beyond them.
 struct Curve {
@@ -213,6 +214,42 @@ void MaterialClasses::for_each_pair(int axis, Visit&& visit) const {
 /// The limits of MaterialClasses::limits, for a few links.
 LinkLimits limits_of(const MaterialTable& table, int axis, int class_a, int class_b);
 
+// Directions of the links of a voxel: steps d in {-1, 0, 1}^3 along the grid axes, numbered 9 (d_i
+// + 1) + 3 (d_j + 1) + d_k + 1. Opposite directions add up to 26; 13 is no step, and directions
+// above 13 lead to the later voxel in the order of slots.
+constexpr int kDirections = 27, kNoStep = 13;
+using LinkStep = std::array<int, 3>;
+
+constexpr LinkStep step_of_direction(int direction) {
+  return {direction / 9 - 1, direction / 3 % 3 - 1, direction % 3 - 1};
+}
+constexpr int direction_of_step(int i, int j, int k) {
+  return 9 * (i + 1) + 3 * (j + 1) + k + 1;
+}
+constexpr int opposite_direction(int direction) {
+  return kDirections - 1 - direction;
+}
+constexpr int direction_along(int axis, bool positive) {
+  return kNoStep + (positive ? 1 : -1) * (axis == 0 ? 9 : axis == 1 ? 3 : 1);
+}
+
+/// Axes along which a direction steps: 1 for axes, 2 for diagonals of faces, 3 for those of cells.
+constexpr int axes_of_direction(int direction) {
+  return (direction / 9 != 1) + (direction / 3 % 3 != 1) + (direction % 3 != 1);
+}
+/// The first axis along which a direction steps.
+constexpr int axis_of_direction(int direction) {
+  return direction / 9 != 1 ? 0 : direction / 3 % 3 != 1 ? 1 : 2;
+}
+constexpr bool is_diagonal(int direction) {
+  return axes_of_direction(direction) > 1;
+}
+/// True where a body of 6, 18 or 26 links per voxel has links of that direction.
+constexpr bool has_direction(int links, int direction) {
+  const int axes = axes_of_direction(direction);
+  return axes >= 1 && axes <= (links == 6 ? 1 : links == 18 ? 2 : 3);
+}
+
 /// Integer slack of a link a -> b in the positive direction of `axis`, per coordinate c:
 ///   q_b[c] - q_a[c] <= upper[c]   and   q_a[c] - q_b[c] <= lower[c],
 /// in 2^-16 voxel of the coordinate's own axis, rounded down, clamped to [0, kUnlimitedSlack].
@@ -281,5 +318,25 @@ class SlackTable {
   std::array<std::int8_t, kDirections> m_diagonal_of{};  // place of its rows in m_diagonals
   std::vector<std::int32_t> m_diagonals;                 // 3 rows per direction
 };
+
+// Material tables as TOML (design.md section 2).
+
+/// Reads a material file; throws InputError naming the key point. `names` are those of a
+/// segmentation's labels (label_names of volumes/io/load/label_file.h); tables of labels may use
+/// them.
+MaterialTable read_material(const std::string& path, const LabelNames& names = {});
+/// Parses a table from text, e.g. the one that a state carries; `source` names it in errors.
+MaterialTable parse_material(const std::string& text, const std::string& source);
+/// The material of a tissue preset as if a table named it.
+MaterialTable preset_material(const std::string& preset);
+/// Reads the keys of a material out of a table (a file's root or a scene's [material]); a preset
+/// stands for the keys that are not given.
+MaterialTable read_material_table(Table& table, const LabelNames& names = {});
+
+/// Canonical text: parse_material(material_to_toml(m)) equals m.
+std::string material_to_toml(const MaterialTable& material);
+
+/// For a volume without a table: every voxel above `min` is tissue of one kind.
+MaterialTable homogeneous_material(double min, double max);
 
 }  // namespace supple

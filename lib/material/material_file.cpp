@@ -1,10 +1,9 @@
-#include "lib/material/material_file.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 
+#include "lib/material/material.h"
 #include "lib/material/presets.h"
 #include "volumes/base/error.h"
 #include "volumes/base/table.h"

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "lib/model/fem_grips.h"
-#include "lib/model/held_body.h"
 #include "lib/model/model.h"
 #include "lib/model/refined_shape.h"
 #include "volumes/base/fields.h"

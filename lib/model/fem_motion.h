@@ -10,7 +10,6 @@
 #include "lib/fem/dynamics/newmark.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/model/fem_grips.h"
-#include "lib/model/held_body.h"
 #include "lib/model/model.h"
 
 namespace supple {
@@ -26,13 +25,6 @@ struct FemMotionParams {
   /// all, all move freely.
   LooseIslands loose = LooseIslands::hold;
   ElementChoice elements = {};
-};
-
-/// Displacements and velocities of nodes, three values each, LPS, of which the elements of a body
-/// know the means alone.
-struct FemNodes {
-  std::vector<double> u_mm, v_mm_s;  // no velocities: at rest
-  std::vector<Vec3d> elements_mm;    // where the body then had its elements
 };
 
 class VoxelFemMotion final : public Model<Handle> {

@@ -1,6 +1,6 @@
-#include "lib/model/held_body.h"
-
 #include <algorithm>
+
+#include "lib/model/model.h"
 
 namespace supple {
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "lib/chainmail/mesh_ecm.h"
-#include "lib/model/held_body.h"
 #include "lib/model/model.h"
 
 namespace supple {

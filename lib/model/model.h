@@ -17,9 +17,12 @@
 #pragma once
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
-#include "lib/relax/reaction.h"
+#include "lib/chainmail/drag.h"
+#include "lib/chainmail/mesh_ecm.h"
+#include "lib/relax/relax_report.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
@@ -79,5 +82,30 @@ int run_model(Model<Handle>& model, int steps, Progress* progress = nullptr) {
   model.store();
   return done;
 }
+
+// A body with its anchors and holds: beside the node state, all that its models share.
+
+/// References: all outlive the models. Code that changes anchors or holds tells models of
+/// relaxation and springs by a move(), of no handle if need be. VoxelEcmModel looks at them in
+/// every move() anyway.
+struct HeldBody {
+  Body& body;
+  const std::vector<Region>& anchors;  // fixed
+  Holds& holds;                        // elements that handles hold; models add theirs
+};
+
+struct HeldMesh {
+  MeshBody& body;
+  const std::vector<NodeSet>& anchors;  // fixed
+  NodeSet& anchored;                    // nodes that handles hold; models add theirs
+};
+
+/// Adds nodes to a set that stays ascending, each once.
+void add_nodes(NodeSet& set, const NodeSet& more);
+/// Takes nodes out of a set.
+void remove_nodes(NodeSet& set, const NodeSet& less);
+
+/// Enhanced ChainMail (voxel_ecm_model.h), for models of one's own that go on with it.
+std::unique_ptr<Model<Handle>> make_ecm_model(const HeldBody& held);
 
 }  // namespace supple

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "lib/model/held_body.h"
+#include "lib/model/model.h"
 #include "lib/relax/reaction.h"
 #include "volumes/base/units.h"
 

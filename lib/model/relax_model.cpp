@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "lib/chainmail/ecm.h"
 #include "lib/model/quasi_static.h"
 #include "lib/relax/plastic_flow.h"
 #include "volumes/base/stopwatch.h"

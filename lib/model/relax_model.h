@@ -5,41 +5,12 @@
 #include <chrono>
 #include <memory>
 
-#include "lib/model/held_body.h"
 #include "lib/model/model.h"
+#include "lib/relax/cell_moduli.h"
+#include "lib/relax/relax_report.h"
 #include "lib/relax/relaxation.h"
 
 namespace supple {
-
-/// Reasons why passes ended: as many as were asked for, nothing moved any more, forces and steps
-/// agree (RelaxReport::converged), or the work that was allowed is done.
-enum class RelaxEnd { passes, at_rest, converged, budget };
-const char* name_of(RelaxEnd end);
-
-struct RelaxReport {
-  std::int64_t projected_links = 0;  // of an invalid start
-  double projected_max_voxels = 0;
-  std::int64_t projected_held = 0;  // elements that are held but that it had to move
-  /// Links that a diagonal's limit moved back after the last pass where volume is conserved, and
-  /// how far. The energy is the one after that. 0 with 6 links.
-  std::int64_t diagonal_links = 0;
-  double diagonal_max_voxels = 0;
-  int passes = 0;
-  double looked_at_million = 0;  // elements, in each pass and coordinate by itself
-  /// The last pass moved nothing further than the tolerance, and the forces that are left put the
-  /// energy within 1 % of the least, or within a millionth of the energy before. Where volume is
-  /// conserved, the step alone decides.
-  bool converged = false;
-  RelaxEnd end = RelaxEnd::passes;
-  std::optional<double> energy_excess;         // uJ, at most so far above the least; when looked at
-  double energy_before = 0, energy_after = 0;  // uJ (N/m * mm^2)
-  double largest_step_voxels = 0;              // of the last pass
-  std::int64_t yielded_links = 0;              // whose rest stretch followed
-  /// Set where volume is conserved; the modulus is the mean of those that follow from the material.
-  double bulk_modulus_kpa = 0;
-  std::optional<CellVolumes> volumes_before, volumes_after;
-  double milliseconds = 0;  // from the model's making
-};
 
 class RelaxModel final : public Model<Handle> {
  public:

@@ -6,7 +6,6 @@
 // minimum has none.
 #pragma once
 
-#include "lib/model/held_body.h"
 #include "lib/model/model.h"
 #include "lib/model/spring_motion.h"
 #include "lib/springs/lattice_springs.h"

@@ -8,28 +8,9 @@
 #include "lib/model/model.h"
 #include "lib/springs/integrators.h"
 #include "lib/springs/minimise.h"
+#include "lib/springs/spring_report.h"
 
 namespace supple {
-
-/// A shape that no node enters. During each move it goes `by_mm` on, evenly, or stays.
-struct DrivenCollider {
-  Collider collider;
-  Vec3d by_mm{0, 0, 0};
-};
-
-struct MotionParams {
-  /// True: down to the minimum of the energy, without time; else by an integrator, in time steps.
-  bool minimise = false;
-  SpringMethod method = SpringMethod::implicit;
-  double step_s = 0.01;
-  double tolerance_mn = 1e-3;  // of a minimum: largest force that is left on a free node
-  Vec3d gravity_m_s2{0, 0, 0};
-  std::vector<DrivenCollider> colliders;  // of a motion
-
-  /// Throws InputError: a step or tolerance that is not positive, gravity or a way of a collider
-  /// that is not finite, colliders beside a minimum, as validate() of a collider.
-  void validate() const;
-};
 
 /// Nodes and how far each of them goes.
 struct DrivenNodes {

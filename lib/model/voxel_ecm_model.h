@@ -2,15 +2,21 @@
 // nothing to step.
 #pragma once
 
-#include "lib/chainmail/ecm.h"
-#include "lib/model/held_body.h"
+#include <memory>
+#include <vector>
+
 #include "lib/model/model.h"
 
 namespace supple {
 
+class EcmSolver;
+struct ElementBounds;
+struct LastingBounds;
+
 class VoxelEcmModel final : public Model<Handle> {
  public:
   explicit VoxelEcmModel(const HeldBody& held);
+  ~VoxelEcmModel() override;
 
   void move(const std::vector<Handle>& handles, int steps, Progress* progress) override;
   /// Moves all or nothing; false where anchors stop a part of the drag.
@@ -34,11 +40,11 @@ class VoxelEcmModel final : public Model<Handle> {
 
   /// The report of the last move, done or not.
   const EcmReport& report() const { return m_report; }
-  std::size_t bytes() const { return m_solver.bytes(); }
+  std::size_t bytes() const;
 
  private:
   HeldBody m_held;
-  EcmSolver m_solver;
+  std::unique_ptr<EcmSolver> m_solver;
   EcmReport m_report;
 };
 

@@ -6,7 +6,7 @@
 
 #include "lib/body/body.h"
 #include "lib/body/brick_faces.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 
 namespace supple {
 

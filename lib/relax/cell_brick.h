@@ -10,7 +10,7 @@
 #include <cstdint>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/brick_springs.h"
 
 namespace supple {

@@ -9,8 +9,8 @@
 #include <array>
 
 #include "lib/body/body.h"
-#include "lib/body/holds.h"
 #include "lib/body/region.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/brick_springs.h"
 #include "lib/relax/cell_brick.h"
 #include "lib/relax/link_table.h"

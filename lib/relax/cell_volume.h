@@ -13,6 +13,7 @@
 #include <cstdint>
 
 #include "lib/body/body.h"
+#include "lib/relax/relax_report.h"
 
 namespace supple {
 
@@ -25,15 +26,6 @@ double hexahedron_volume(const Hexahedron& corners);
 /// Derivative of the volume by the place of one corner; the opposite corner has no part in it.
 Vec3d hexahedron_gradient(const Hexahedron& corners, int corner);
 
-struct CellVolumes {
-  std::int64_t cells = 0;
-  double rest_mm3 = 0;
-  double total_mm3 = 0;
-  double smallest = 1, largest = 1;  // of a cell, in its rest volume
-
-  /// Total over rest volume; 1 for a body without cells.
-  double ratio() const { return rest_mm3 > 0 ? total_mm3 / rest_mm3 : 1; }
-};
 /// Sums the volumes of all cells of the body, in parallel; costs only where something moved.
 CellVolumes cell_volumes(const Body& body);
 

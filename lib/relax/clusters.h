@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/link_table.h"
 #include "lib/relax/slot_forest.h"
 

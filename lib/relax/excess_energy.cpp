@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/brick_springs.h"
 #include "lib/relax/cluster_pull.h"
 #include "lib/relax/stiff_clusters.h"

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/body/holds.h"
 #include "lib/body/region.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/movable.h"
 
 namespace supple {

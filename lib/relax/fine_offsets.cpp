@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/brick_springs.h"
 #include "volumes/base/parallel.h"
 

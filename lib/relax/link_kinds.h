@@ -8,8 +8,8 @@
 
 #include "lib/body/body.h"
 #include "lib/body/diagonals.h"
-#include "lib/body/lattice.h"
 #include "lib/body/link_masks.h"
+#include "lib/body/slot_set.h"
 
 namespace supple {
 

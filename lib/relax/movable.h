@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/body/holds.h"
 #include "lib/body/region.h"
 #include "lib/body/slot_set.h"
 #include "lib/relax/clusters.h"

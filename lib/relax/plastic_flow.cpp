@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/link_table.h"
 
 namespace supple {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/brick_springs.h"
 #include "lib/relax/cell_brick.h"
 #include "lib/relax/cell_volume.h"

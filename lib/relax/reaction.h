@@ -22,21 +22,12 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/body/holds.h"
 #include "lib/body/region.h"
 #include "lib/body/slot_set.h"
 #include "lib/relax/cell_moduli.h"
+#include "lib/relax/relax_report.h"
 
 namespace supple {
-
-struct Reaction {
-  /// Force with which the body pulls at the holder, in N, LPS. Its work on a way dx is force . dx,
-  /// also where the grid's axes are not perpendicular.
-  Vec3d force_n{0, 0, 0};
-  /// Per grid coordinate: links at their limits join this holder to another one. They can carry any
-  /// force between the two, which statics does not determine: the force is then a part only.
-  std::array<bool, 3> taut{false, false, false};
-};
 
 /// The reactions, one per handle. As for relaxation, elements of `fixed` and `held.anchored` are
 /// held, and those of push handles in the coordinates where they lie at their bound; elements that

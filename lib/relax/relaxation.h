@@ -16,24 +16,14 @@
 #include <string>
 
 #include "lib/body/body.h"
-#include "lib/body/holds.h"
 #include "lib/body/region.h"
+#include "lib/body/slot_set.h"
 #include "lib/relax/cell_volume.h"
+#include "lib/relax/relax_report.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-enum class RelaxMethod {
-  plain,        // all nodes at once, whole steps, no limits: the thesis' rule, breaks links
-  jacobi,       // all nodes at once, each takes up to half of a link's slack
-  red_black,    // every other node at once, up to the whole slack
-  accelerated,  // red-black with over-relaxation: far fewer passes to the same energy
-};
-const char* name_of(RelaxMethod method);
-
-/// True for methods that can conserve volume, in which elements of a cell do not step together.
-bool conserves_volume(RelaxMethod method);
 
 /// Links of a voxel that are springs, 6, 18 or 26: all that the body has, or those along the axes
 /// where volume is conserved.
@@ -43,38 +33,6 @@ int spring_links(const Body& body, bool conserves_volume);
 constexpr double kMaxBulkModulusKpa = 1e9;
 /// Throws InputError for a value outside 0 to kMaxBulkModulusKpa.
 void check_bulk_modulus(double kpa);
-
-/// A number of passes beyond this is taken for a mistake.
-constexpr int kMaxPasses = 1000000;
-
-struct RelaxParams {
-  RelaxMethod method = RelaxMethod::accelerated;
-  int passes = 20;  // at most
-  /// Stops after a pass in which no element moved further, in voxels of each axis, once the forces
-  /// that are left agree (RelaxModel).
-  double tolerance_voxels = 0;
-  /// Bulk modulus with which cells keep their rest volume (volume_relaxation.h); 0: they do not.
-  /// Only with the methods red_black and accelerated.
-  double bulk_modulus_kpa = 0;
-  /// Bulk moduli follow from the material instead (cell_moduli.h).
-  bool poisson = false;
-  /// Ends after the pass in which this many million elements were looked at, one by one in each
-  /// pass and coordinate; 0: no limit. Work and not time, so that the result is the same on every
-  /// machine. With a budget the forces are asked less often whether they agree.
-  double budget_million = 0;
-
-  bool conserves_volume() const { return bulk_modulus_kpa > 0 || poisson; }
-  /// Throws InputError: a value out of range.
-  void validate() const;
-};
-
-/// Relaxation after a drag in tissue whose material asks for it (MaterialTable::relaxes): until it
-/// has settled to a hundredth of a voxel, or its budget is spent.
-/// `poisson`: as RelaxParams::poisson; MaterialTable::relaxes_by_poisson.
-RelaxParams tissue_relaxation(bool poisson = false);
-
-/// The fields of `relax = { … }` in a scene.
-Fields fields(RelaxParams& params);
 
 struct CellModuli;
 class CoordinateRelaxation;

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "volumes/grid/brick_values.h"
 
 namespace supple {

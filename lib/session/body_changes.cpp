@@ -1,8 +1,11 @@
 // Changes of the body of a session: pieces, materials, cuts, removals.
 #include "lib/session/body_changes.h"
 
-#include "lib/material/material_file.h"
+#include "lib/body/rigid_links.h"
+#include "lib/material/material.h"
+#include "lib/session/cut_surface.h"
 #include "lib/session/removal.h"
+#include "lib/session/rigid_request.h"
 
 namespace supple {
 

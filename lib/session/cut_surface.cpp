@@ -2,7 +2,10 @@
 
 #include <filesystem>
 
+#include "lib/body/cut.h"
+#include "lib/body/swept_surface.h"
 #include "volumes/base/value.h"
+#include "volumes/grid/labels.h"
 
 namespace supple {
 

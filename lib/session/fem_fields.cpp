@@ -1,4 +1,8 @@
 // Keys of a step of finite elements.
+#include "lib/model/fem_model.h"
+#include "lib/model/refined_shape.h"
+#include "lib/session/fem/fem_modes.h"
+#include "lib/session/fem/motion_step.h"
 #include "lib/session/fem_step.h"
 #include "volumes/base/value.h"
 

@@ -5,8 +5,16 @@
 #include <tuple>
 
 #include "lib/body/kept_offsets.h"
+#include "lib/fem/voxel/fem_results.h"
+#include "lib/model/fem_model.h"
+#include "lib/relax/relaxation.h"
+#include "lib/session/fem/element_results.h"
+#include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/fem_solid.h"
+#include "lib/session/fem/motion_step.h"
 #include "lib/session/fem/piece_poses.h"
+#include "lib/session/fem/shared_handles.h"
+#include "lib/session/fem_task.h"
 #include "lib/session/free_poses.h"
 #include "lib/session/handles/rigid_drag.h"
 #include "lib/session/step_warnings.h"

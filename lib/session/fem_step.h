@@ -3,21 +3,14 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "lib/fem/voxel/fem_results.h"
-#include "lib/model/fem_model.h"
-#include "lib/session/fem/element_results.h"
-#include "lib/session/fem/fem_modes.h"
-#include "lib/session/fem/motion_step.h"
-#include "lib/session/fem/shared_handles.h"
+#include "lib/fem/fem_report.h"
 #include "lib/session/handles/selection.h"
 #include "volumes/base/fields.h"
-#include "volumes/base/progress.h"
 #include "volumes/base/value.h"
 
 namespace supple {
@@ -74,32 +67,8 @@ struct FemRecord {
   double milliseconds = 0;
 };
 
-struct PieceMotion;  // lib/session/handles/rigid_drag.h
-struct FreePose;     // lib/session/free_poses.h
-
-/// The part of a session that the solver works on.
-struct FemTask {
-  HeldBody held;
-  const LinkCuts& cuts;  // of the body without what rigid pieces hide
-  const DensityGrid& density;
-  const BrickValues& labels;
-  const std::vector<SlotSet>& gripped;     // whose reactions are wanted
-  const std::vector<PieceMotion>& pieces;  // that the handles move
-  const FemNodes& nodes;                   // of the step before
-  std::shared_ptr<const NodeStart> start;  // of the last picture of this solid, or null
-  /// Poses at which free pieces are to be held instead, now that the body has moved; the last time
-  /// none. Null where pieces may pass through each other.
-  std::function<std::vector<FreePose>(bool is_last)> keep_apart;
-};
-
 /// The key of a step that another one of it rules out; its file is empty.
 std::optional<Problem> contradiction(const FemStep& step);
-
-/// Moves the body. Warns of loose islands, of results beyond linear theory and of links beyond
-/// their limits. Throws InputError as VoxelFemModel and for loads without element, NotConverged,
-/// Cancelled; the body unchanged then.
-FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vector<Handle>& handles,
-                      Progress* progress);
 
 /// The body takes the shape that it had at one of the motion's frame times.
 void show_frame(std::size_t frame, FemRecord& record, Body& body);

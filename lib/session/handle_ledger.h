@@ -5,20 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "lib/chainmail/ecm.h"
-#include "lib/fem/voxel/fem.h"
-#include "lib/relax/reaction.h"
+#include "lib/chainmail/drag.h"
+#include "lib/fem/fem_report.h"
+#include "lib/relax/relax_report.h"
+#include "lib/session/step.h"
 
 namespace supple {
-
-/// A handle that is held, and the force with which the body pulls at its holder.
-struct HandleReaction {
-  int step, handle;  // that grabbed it, from 1
-  std::string name;  // of its region
-  Reaction reaction;
-  std::optional<Vec3d> moment_nmm =
-      {};  // LPS, about the mean of its nodes at rest; finite elements
-};
 
 class HandleLedger {
  public:

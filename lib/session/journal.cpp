@@ -1,6 +1,10 @@
 #include "lib/session/journal.h"
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
+#include "lib/session/cut_surface.h"
+#include "lib/session/retraction.h"
+#include "lib/session/rigid_request.h"
+#include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
 #include "volumes/base/json.h"
 #include "volumes/base/version.h"

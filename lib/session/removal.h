@@ -1,7 +1,7 @@
 // Removal of elements from a body: they are void from then on.
 #pragma once
 
-#include "lib/body/holds.h"
+#include "lib/body/slot_set.h"
 #include "lib/session/handle_ledger.h"
 #include "lib/session/handles/selection.h"
 #include "lib/state/state.h"

@@ -4,20 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "lib/chainmail/ecm.h"
+#include "lib/chainmail/drag.h"
+#include "lib/session/step.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/value.h"
 
 namespace supple {
 
-/// A patch as that of a cut. edge1 runs along the incision, edge2 from its depth to the skin.
-struct Retraction {
-  std::string place;  // for errors
-  Vec3d corner{0, 0, 0}, edge1{0, 0, 0}, edge2{0, 0, 0};
-  bool in_voxels = false;  // of the volume, instead of LPS mm
-  double by_mm = 0;        // between the lips
-  double width_mm = 3;     // of each lip
-};
 Fields fields(Retraction& retraction);
 
 /// The lips as pushing handles, which finite elements hold where they are drawn; first the one on

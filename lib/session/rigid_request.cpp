@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/body/rigid_links.h"
 #include "lib/session/handles/handle_motion.h"
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"

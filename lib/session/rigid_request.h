@@ -5,22 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "lib/body/rigid_links.h"
+#include "lib/body/body.h"
 #include "lib/session/handles/selection.h"
+#include "lib/session/step.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/value.h"
 
 namespace supple {
-
-struct RigidRequest {
-  std::optional<NumberPair> density;  // every connected part of these densities is a piece
-  std::vector<Vec3i> seeds;           // pieces with several are parted where bone is thinnest
-  std::vector<ChosenPart> parts;      // a piece each, which takes its elements from other pieces
-
-  double joint_mm = 0;  // tissue is parted around `parts`, and between pieces of `seeds`, so near
-
-  bool empty() const { return !density && seeds.empty() && parts.empty(); }
-};
 
 /// Connected parts of fewer elements than this stay tissue: specks of noise.
 constexpr std::size_t kLeastPiece = 8;

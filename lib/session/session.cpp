@@ -4,9 +4,10 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/material/tissue.h"
 #include "lib/session/body_changes.h"
+#include "lib/session/handles/handle_places.h"
 #include "lib/session/handles/handles.h"
 #include "lib/session/journal.h"
 #include "lib/session/step_run.h"
@@ -14,9 +15,9 @@
 #include "lib/state/state_outputs.h"
 #include "lib/state/state_source.h"
 #include "volumes/base/text.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple {
 

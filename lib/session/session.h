@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "lib/session/handles/handle_places.h"
-#include "lib/session/handles/handles.h"
 #include "lib/session/step.h"
 #include "lib/state/pose.h"
 #include "lib/state/state.h"
+#include "volumes/grid/density_grid.h"
 #include "volumes/io/format/volume_file.h"
 
 namespace supple {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "lib/relax/relaxation.h"
 #include "lib/session/handles/drag_handles.h"
 #include "lib/session/step_model.h"
 #include "volumes/base/error.h"

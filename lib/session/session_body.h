@@ -8,6 +8,7 @@
 #include "lib/contact/piece_contact.h"
 #include "lib/model/voxel_ecm_model.h"
 #include "lib/session/free_poses.h"
+#include "lib/session/handle_ledger.h"
 #include "lib/session/handles/handle_places.h"
 #include "lib/session/handles/rigid_drag.h"
 #include "lib/session/step.h"

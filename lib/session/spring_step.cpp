@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "lib/model/spring_models.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
 #include "volumes/base/value.h"

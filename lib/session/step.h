@@ -2,30 +2,107 @@
 #pragma once
 
 #include <any>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "lib/chainmail/ball_limits.h"
-#include "lib/chainmail/tighten.h"
-#include "lib/contact/sides_report.h"
+#include "lib/chainmail/drag.h"
+#include "lib/contact/collider_contact.h"
 #include "lib/material/material.h"
-#include "lib/model/relax_model.h"
-#include "lib/relax/relaxation.h"
-#include "lib/session/cut_surface.h"
+#include "lib/model/model.h"
+#include "lib/relax/relax_report.h"
 #include "lib/session/fem_step.h"
-#include "lib/session/handle_ledger.h"
-#include "lib/session/handles/handles.h"
-#include "lib/session/retraction.h"
-#include "lib/session/rigid_request.h"
-#include "lib/session/spring_step.h"
+#include "lib/session/handles/drag.h"
+#include "lib/springs/spring_report.h"
 #include "volumes/base/value.h"
+#include "volumes/io/mesh/triangle_mesh.h"
 
 namespace supple {
 
 /// box: each component of a link is limited on its own (eqs. 4.3-4.5); ball: its length (eq. 4.6);
 /// tighten: box, and then tighten(), after the step's relaxation if it has one.
 enum class Limits { box, ball, tighten };
+
+/// A curve as drawn, swept along a direction; places in the frame of its surface.
+struct CutCurve {
+  std::vector<Vec3d> points;
+  std::string file;  // that the points came from, without folder; empty: from the scene
+  Vec3d direction{0, 0, 0};
+  double depth_mm = 0, above_mm = 5;
+  bool is_straight = false;
+};
+
+/// Surface along which a step cuts the body: a triangle mesh from a file, a plane patch or a drawn
+/// curve from a scene, or around a label (cut_surface.h).
+struct CutSurface {
+  std::string place;                         // for errors: "scene:line", or the mesh file
+  std::string mesh_file;                     // without folder
+  std::shared_ptr<const TriangleMesh> mesh;  // null: a plane
+  Vec3d corner{0, 0, 0}, edge1{0, 0, 0}, edge2{0, 0, 0};  // of the plane patch
+  bool in_voxels = false;  // of the volume, instead of LPS mm: plane and curve
+  std::optional<CutCurve> curve;
+  std::int32_t label = 0;  // links between it and anything else; 0: one of the others
+};
+
+/// Opening of a cut (retraction.h). A patch as that of a cut. edge1 runs along the incision, edge2
+/// from its depth to the skin.
+struct Retraction {
+  std::string place;  // for errors
+  Vec3d corner{0, 0, 0}, edge1{0, 0, 0}, edge2{0, 0, 0};
+  bool in_voxels = false;  // of the volume, instead of LPS mm
+  double by_mm = 0;        // between the lips
+  double width_mm = 3;     // of each lip
+};
+
+/// Choice of the elements of a body that a step makes rigid pieces (rigid_request.h).
+struct RigidRequest {
+  std::optional<NumberPair> density;  // every connected part of these densities is a piece
+  std::vector<Vec3i> seeds;           // pieces with several are parted where bone is thinnest
+  std::vector<ChosenPart> parts;      // a piece each, which takes its elements from other pieces
+
+  double joint_mm = 0;  // tissue is parted around `parts`, and between pieces of `seeds`, so near
+
+  bool empty() const { return !density && seeds.empty() && parts.empty(); }
+};
+
+/// A step in which springs move the body, for a time or to rest (spring_step.h).
+struct SpringStep {
+  MotionParams motion;
+  double time_s = 0.1;          // of a motion
+  int most_steps = 500;         // of a minimisation
+  std::vector<Value> contacts;  // motion.colliders, for the record
+  /// Stiffnesses in N/m, in place of the material's values.
+  std::optional<double> structural_n_m, shear_n_m, bending_n_m;
+  double mass_damping_per_s = 0;
+
+  bool is_motion() const { return !motion.minimise; }
+  /// Steps beyond this are taken for a mistake.
+  static constexpr int kMostSteps = 1000000;
+  /// Steps of a motion, which share its time: none longer than motion.step_s.
+  int motion_steps() const;
+};
+
+struct SpringRecord {
+  int steps = 0;
+  std::size_t nodes = 0, springs = 0;
+  ModelEnergy before, after;
+  std::optional<double> residual_mn;       // of a minimisation: largest force on a free node
+  std::optional<SpringStepReport> motion;  // of all steps of a motion
+  LinkCheck links;                         // of the result, under ChainMail's limits
+  double milliseconds = 0;
+  std::vector<Reaction> reactions;       // of `gripped`
+  std::vector<Vec3d> collider_forces_n;  // on the shapes in contact, LPS
+};
+
+/// A handle that is held, and the force with which the body pulls at its holder.
+struct HandleReaction {
+  int step, handle;  // that grabbed it, from 1
+  std::string name;  // of its region
+  Reaction reaction;
+  std::optional<Vec3d> moment_nmm =
+      {};  // LPS, about the mean of its nodes at rest; finite elements
+};
 
 /// Drags and parts have places as people write them, in one of three frames, or on the grid
 /// already, as programs have them: a session finds the former on its grid by on_grid().

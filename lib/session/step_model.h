@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "lib/model/held_body.h"
 #include "lib/model/knob_family.h"
 #include "lib/model/model.h"
 #include "volumes/base/fields.h"

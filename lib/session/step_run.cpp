@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include "lib/relax/relaxation.h"
 #include "lib/session/body_changes.h"
+#include "lib/session/handle_ledger.h"
+#include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
 #include "lib/session/step_task.h"
 #include "lib/session/step_warnings.h"

@@ -14,23 +14,11 @@
 
 #include <vector>
 
+#include "lib/springs/spring_report.h"
 #include "lib/springs/spring_system.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-struct SpringStepReport {
-  int substeps = 0;
-  int halvings = 0;           // of substeps, for the energy guard or a stiff barrier
-  int iterations = 0;         // Newton steps, sweeps or back-solves, all substeps together
-  double residual_mn = 0;     // largest force on a node that an implicit solver left
-  int contacts = 0;           // nodes that touched a shape, summed over substeps
-  double penetration_mm = 0;  // deepest that contact left
-  int without_direction = 0;  // springs of length 0 that were met
-
-  /// Adds a report: counts are added, the largest residual and penetration stay.
-  SpringStepReport& operator+=(const SpringStepReport& next);
-};
 
 /// Moves one system. Positions, velocities, gravity, colliders and the targets of held nodes may
 /// change between steps; masses, springs and which nodes are held may not (make a new one).

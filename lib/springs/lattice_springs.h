@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/springs/spring_system.h"
 #include "volumes/base/progress.h"
 

@@ -1,10 +1,10 @@
-#include "lib/state/live_displacement.h"
-
 #include <algorithm>
 #include <limits>
 
+#include "lib/state/pose.h"
 #include "lib/state/state.h"
 #include "volumes/base/parallel.h"
+#include "volumes/field/ring_fill.h"
 
 namespace supple {
 
@@ -23,11 +23,13 @@ LiveDisplacement::LiveDisplacement(const Geometry& geometry, const BrickTopology
   std::vector<std::uint8_t> ring_of;
   m_extended = {geometry, fill_rings(rest, shell, std::numeric_limits<int>::max(), RingFill::linear,
                                      &ring_of)};
-  m_order = RingOrder(m_extended.u.topology, ring_of);
+  m_order = std::make_unique<RingOrder>(m_extended.u.topology, ring_of);
   for (std::size_t b = 0; b < elements.brick_count(); ++b) {
     m_brick_of.push_back(m_extended.u.topology.find(elements.origin(b)));
   }
 }
+
+LiveDisplacement::~LiveDisplacement() = default;
 
 /// Writes the elements of one brick; true when any of them changed.
 bool LiveDisplacement::take_over(const std::array<BrickValues, 3>& q, std::size_t b) {
@@ -57,7 +59,7 @@ std::vector<std::int32_t> LiveDisplacement::update(const std::array<BrickValues,
   for (std::size_t b = 0; b < is_changed.size(); ++b) {
     if (is_changed[b]) changed.push_back(m_brick_of[b]);
   }
-  return refill_rings(m_extended.u, m_order, changed);
+  return refill_rings(m_extended.u, *m_order, changed);
 }
 
 }  // namespace supple

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "lib/state/state_source.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

@@ -11,7 +11,6 @@
 
 #include "volumes/base/progress.h"
 #include "volumes/base/value.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_values.h"

@@ -2,8 +2,10 @@
 
 #include "lib/state/warp_jumps.h"
 #include "volumes/base/json.h"
+#include "volumes/field/dense/resample.h"
 #include "volumes/grid/b_spline.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
+#include "volumes/io/volume_writer.h"
 
 namespace supple {
 

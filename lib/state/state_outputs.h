@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "lib/state/pose.h"
-#include "volumes/field/dense/resample.h"
-#include "volumes/io/volume_writer.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple {
 

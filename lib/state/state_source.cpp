@@ -11,8 +11,8 @@
 #include "volumes/base/sha256.h"
 #include "volumes/base/text.h"
 #include "volumes/io/format/formats.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple {
 

@@ -5,7 +5,7 @@
 
 #include "raycast/pictures/image.h"
 #include "raycast/scene/camera.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/density_grid.h"
 

@@ -11,7 +11,7 @@
 
 #include "raycast/drawings/rest_place.h"
 #include "raycast/pictures/colour_map.h"
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "raycast/scene/camera.h"
 
 namespace supple {

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "raycast/scene/camera.h"
 #include "volumes/grid/brick_topology.h"
 

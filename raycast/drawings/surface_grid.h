@@ -11,7 +11,7 @@
 #include <functional>
 
 #include "raycast/drawings/rest_place.h"
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "raycast/scene/camera.h"
 #include "volumes/base/fields.h"
 #include "volumes/geometry/geometry.h"

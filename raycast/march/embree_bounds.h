@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "raycast/scene/clip.h"
-#include "volumes/grid/brick_index.h"
+#include "volumes/grid/brick_topology.h"
 
 namespace supple {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "raycast/march/marcher.h"
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "volumes/base/progress.h"
 
 namespace supple {

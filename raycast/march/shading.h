@@ -9,42 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "raycast/march/render_settings.h"
 #include "raycast/sample/offset_bricks.h"
 #include "raycast/scene/camera.h"
 #include "raycast/scene/transfer_function.h"
 
 namespace supple {
-
-enum class ShadingModel { none, phong, blinn };
-
-struct Light {
-  Vec3d direction{-0.25, 0.35, 1};  // towards the light, any length but 0
-  bool is_of_camera = true;         // direction is right, up, towards the viewer; else LPS
-  std::array<double, 3> rgb{1, 1, 1};
-  double intensity = 1;
-
-  /// Throws InputError: a direction that is not finite or 0, rgb outside 0…1, intensity outside
-  /// 0…100.
-  void validate(const std::string& file) const;
-};
-
-struct Lighting {
-  static constexpr int kMaxLights = 8;
-
-  ShadingModel model = ShadingModel::blinn;
-  std::vector<Light> lights;  // empty: one as a Light is by default, above and left of the camera
-  bool shadows = false;       // of the volume and the meshes on both
-  double occlusion_radius_mm = 0;  // of ambient occlusion; 0: none
-  double exposure_stops = 0;       // all that is drawn, in 2^stops times as much light
-  /// Shadows and occlusion are interpolated on a lattice so many mm apart; 0: each sample has its
-  /// own.
-  double volume_mm = 0;
-
-  bool has_paths() const { return shadows || occlusion_radius_mm > 0; }
-  /// Throws InputError: more than kMaxLights, a bad light, an occlusion radius outside 0…1000, a
-  /// lattice of light outside 0…1000, an exposure outside -20…20.
-  void validate(const std::string& file) const;
-};
 
 /// Orientation of a place to the light: a unit normal on the viewer's side and the share, 0…1, in
 /// which it counts; the rest counts as facing every light.

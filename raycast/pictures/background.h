@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "volumes/base/fields.h"
 
 namespace supple {

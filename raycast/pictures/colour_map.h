@@ -1,7 +1,7 @@
 // Scalars as colours, and the ticks of their legends.
 #pragma once
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "volumes/base/fields.h"
 
 namespace supple {

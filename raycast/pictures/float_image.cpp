@@ -1,8 +1,8 @@
-#include "raycast/pictures/float_image.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "raycast/pictures/image.h"
 
 namespace supple {
 

@@ -9,7 +9,6 @@
 
 #include <png.h>
 
-#include "raycast/pictures/float_image.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"

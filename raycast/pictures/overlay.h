@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "volumes/base/fields.h"
 
 namespace supple {

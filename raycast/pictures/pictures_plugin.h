@@ -2,7 +2,7 @@
 #pragma once
 
 #include "raycast/pictures/compare.h"
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "raycast/pictures/overlay.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/plugin.h"
@@ -14,7 +14,7 @@ using ColourTable = std::array<std::array<std::uint8_t, 3>, 256>;
 /// The table of offset_colour().
 ColourTable offset_colours();
 
-/// The functions of these names in compare.h, float_image.h and overlay.h.
+/// The functions of these names in compare.h, image.h and overlay.h.
 struct PicturesPlugin {
   static constexpr PluginName kName{"supple_pictures.so", "supple_pictures_plugin",
                                     "compares pictures, draws legends and words, and writes EXR"};

@@ -1,7 +1,7 @@
 // The brick table of the output lattice, {empty, identity, deformed} (design.md section 5), and the
 // offsets of deformed bricks with their apron. A brick without an entry is empty; identity bricks
 // cost as much as straight rays; straight rendering is the table whose bricks are all identity. In
-// pointwise bricks each sample asks for its own offset (pointwise_offsets.h).
+// pointwise bricks each sample asks for its own offset (offset_field.h).
 // Cost: 8.8 kB per deformed brick, 1.5 kB with every second offset.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 #include "raycast/sample/source_bricks.h"
 #include "volumes/field/brick_nodes.h"
-#include "volumes/field/pointwise_offsets.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "volumes/field/pointwise_offsets.h"
-#include "volumes/grid/brick_index.h"
+#include "volumes/field/offset_field.h"
+#include "volumes/grid/brick_topology.h"
 
 namespace supple {
 

@@ -25,15 +25,6 @@ struct EncodedRange {
   void add(const EncodedRange& other);
 };
 
-/// How densities between the voxels are read. `linear`: trilinear, through every voxel's density.
-/// `cubic`: the tricubic B-spline whose coefficients are the densities themselves. It has
-/// continuous second derivatives and never leaves the range of the 4^3 voxels around, so that it
-/// rings nowhere. It smooths: a quadratic comes out a third of its second derivative's half higher
-/// (x^2 as x^2 + 1/3), linear densities are kept. `interpolating`: the one through every voxel's
-/// density, as smooth; thin walls stay, and beside sharp edges it overshoots, which may show as
-/// shells around bone (volumes/grid/b_spline.h).
-enum class Interpolation { linear, cubic, interpolating };
-
 class SourceBricks {
  public:
   static constexpr int kDim = 11;  // nodes -1 … 9: eight cells and one more node on every side

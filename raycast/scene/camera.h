@@ -9,7 +9,6 @@
 
 #include "volumes/geometry/geometry.h"
 #include "volumes/geometry/keyframes.h"
-#include "volumes/geometry/turn.h"
 
 namespace supple {
 

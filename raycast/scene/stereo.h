@@ -3,7 +3,7 @@
 // Source: P. Bourke, "Calculating stereo pairs", 1999.
 #pragma once
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "raycast/scene/camera.h"
 
 namespace supple {

@@ -3,7 +3,6 @@
 
 #include "tests/fuzz/fuzz_file.h"
 #include "volumes/io/format/volume_file.h"
-#include "volumes/io/open_volume.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::uint8_t values[64] = {};

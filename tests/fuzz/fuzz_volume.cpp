@@ -4,7 +4,7 @@
 
 #include "tests/fuzz/fuzz_file.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace {
 

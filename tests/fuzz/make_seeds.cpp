@@ -9,7 +9,7 @@
 #include <openvdb/io/Stream.h>
 
 #include "tests/support/dicom_fixtures.h"
-#include "volumes/grid/vdb_grid.h"
+#include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/format/dense_writer.h"
 
 namespace supple::fuzz {

@@ -4,8 +4,9 @@
 #include <fstream>
 #include <vector>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/material/presets.h"
+#include "volumes/io/volume_writer.h"
 
 namespace supple::test {
 

@@ -5,7 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/diagonals.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
+#include "lib/chainmail/ecm.h"
 #include "volumes/base/parallel.h"
 
 namespace supple::test {

@@ -30,6 +30,14 @@ if grep -rE -- "-march|-Wall|-Werror|cmake_pch|$source|$build" $prefix/lib/cmake
   exit 1
 fi
 
+# Each installed header compiles alone, and all of them are those of the list.
+headers=$(cd "$prefix/include" && find supple -name '*.h' ! -name density_grid_vdb.h)
+test "$(echo "$headers" | wc -l)" = "$(grep -c '^[^#].*\.h$' "$source/cmake/PublicHeaders.txt" | awk '{print $1 - 1}')"
+if [ "$way" = install ]; then
+  echo "$headers" | xargs -P "$(nproc)" -I{} sh -c \
+    'echo "#include <{}>" | g++ -std=c++17 -fsyntax-only -Wall -Wextra -Werror -I "$0" -x c++ -' "$prefix/include"
+fi
+
 cp -r "$source/examples" "$work/host"
 cmake -S "$work/host" -B "$work/host/build" -DCMAKE_PREFIX_PATH="$prefix" \
   -DCMAKE_BUILD_TYPE="$build_type" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" >"$work/configure.log"
@@ -73,6 +81,21 @@ if [ "$way" = install ]; then
   printf '[volume]\npath = "ball.nhdr"\n[[step]]\ngrab = [12, 12, 16]\nby = [0.0, 2.0, 0.0]\n[output]\nstate = "s.vdb"\n' >ball.toml
   mkdir scene && "$bin/run_scene" ball.toml scene && test -s scene/s.vdb
   "$bin/live_session" ball.toml
+  mkdir film && "$bin/live_film" ball.toml film && test -s film/0.png
+  cat >film.toml <<'EOF'
+[volume]
+path = "ball.nhdr"
+[[step]]
+grab = [12, 12, 16]
+path = [{ time = 0.0, by = [0.0, 0.0, 0.0] }, { time = 2.0, by = [0.0, 2.0, 0.0] }]
+[[view]]
+image = "f_%d.png"
+width = 64
+height = 64
+[film]
+times = "frames"
+EOF
+  "$bin/run_scene" film.toml film && test -s film/f_2.png
   mkdir in out && cp ball.* in && "$bin/batch" in out && test -s out/ball.png
 fi
 "$prefix/bin/supple-examples" phantom t-shape t.png        # README's first try

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "raycast/scene/clip.h"
 #include "raycast/scene/stereo.h"
 #include "tests/raycast/scenes.h"
 

@@ -4,9 +4,9 @@
 #include "raycast/pictures/compare.h"
 #include "raycast/progressive.h"
 #include "tests/raycast/scenes.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/inversion/forward_offsets.h"
 #include "volumes/field/inversion/invert.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/procedural.h"
 
 namespace supple {

@@ -15,7 +15,6 @@
 #include "volumes/field/procedural.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple {
 namespace {

@@ -5,8 +5,8 @@
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"
 #include "tests/support/sanitized.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/inversion/invert.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/procedural.h"
 
 namespace supple {

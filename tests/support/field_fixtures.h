@@ -8,8 +8,7 @@
 #include <random>
 #include <tuple>
 
-#include "volumes/field/displacement.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple::test {
 

@@ -12,7 +12,7 @@
 #include <zlib.h>
 
 #include "tests/support/errors.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::test {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "raycast/pictures/float_image.h"
 #include "raycast/pictures/image.h"
 #include "tests/support/program.h"
 

@@ -6,8 +6,8 @@
 #include "raycast/pictures/compare.h"
 #include "tests/tools/golden.h"
 #include "volumes/geometry/geometry.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -146,7 +146,94 @@ std::optional<std::string> find_circle(const Graph& graph) {
   return circle;
 }
 
+/// The installed headers, from the root of the source (cmake/PublicHeaders.txt).
+std::set<std::string> public_headers() {
+  std::set<std::string> headers;
+  std::istringstream lines(text_of("cmake/PublicHeaders.txt"));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    EXPECT_TRUE(headers.insert(line).second) << line << " stands twice";
+  }
+  return headers;
+}
+
+/// A header with all that it includes of the source.
+std::set<std::string> closure_of(const std::string& header, const std::vector<Include>& includes) {
+  std::set<std::string> all;
+  const std::function<void(const std::string&)> add = [&](const std::string& file) {
+    if (!all.insert(file).second) return;
+    for (const Include& include : includes) {
+      if (include.quoted && include.file == file) add(include.target);
+    }
+  };
+  add(header);
+  return all;
+}
+
+/// The place in the source of a header that a host program includes as <supple/...>.
+std::string source_of_installed(const std::string& name) {
+  if (name == "supple.h") return "tools/library/" + name;
+  return name.rfind("scene/", 0) == 0 ? "tools/" + name : name;
+}
+
 }  // namespace
+
+TEST(UnitIncludeGraph, PublicHeadersAreAtMostSixtyAndIncludePublicOnesAlone) {
+  const std::set<std::string> headers = public_headers();
+  EXPECT_LE(headers.size(), 60u);
+  ASSERT_GT(headers.size(), 30u);
+  std::set<std::string> found;
+  for (const Include& include : all_includes()) {
+    if (headers.count(include.file) == 0) continue;
+    found.insert(include.file);
+    if (include.quoted) {
+      EXPECT_EQ(headers.count(include.target), 1u)
+          << include.file << " includes " << include.target << ", which is not installed";
+      continue;
+    }
+    const bool is_standard = include.target.find_first_of("/.") == std::string::npos;
+    const bool is_imath = include.target.rfind("Imath/", 0) == 0;
+    const bool is_named =
+        include.file == "volumes/grid/density_grid_vdb.h" || include.target == "sys/types.h";
+    EXPECT_TRUE(is_standard || is_imath || is_named)
+        << include.file << " includes " << include.target;
+  }
+  EXPECT_GE(found.size() + 1, headers.size());  // version.h is made by CMake
+  for (const std::string& header : headers) {
+    const bool is_made = header == "volumes/base/version.h";
+    EXPECT_TRUE(is_made || std::filesystem::exists(source_dir() + "/" + header)) << header;
+  }
+}
+
+TEST(UnitIncludeGraph, TheOneHeaderOfTheLibraryPullsAtMostSixtyAndNoInsideOfFiniteElements) {
+  const std::set<std::string> pulled = closure_of("tools/library/supple.h", all_includes());
+  EXPECT_LE(pulled.size(), 60u) << ::testing::PrintToString(pulled);
+  ASSERT_GT(pulled.size(), 30u);
+  for (const std::string& header : pulled) {
+    EXPECT_TRUE(header == "lib/fem/fem_report.h" || !is_below(folder_of(header), "lib/fem"))
+        << header;
+  }
+}
+
+TEST(UnitIncludeGraph, ExamplesAndPagesNamePublicHeadersAlone) {
+  static const std::regex named("<supple/([\\w/]+\\.h)>");
+  const std::set<std::string> headers = public_headers();
+  std::size_t count = 0;
+  for (const char* folder : {"examples", "docs"}) {
+    for (const auto& entry :
+         std::filesystem::recursive_directory_iterator(source_dir() + "/" + folder)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".cpp" && extension != ".md") continue;
+      const std::string text = read_text(entry.path().string());
+      for (std::sregex_iterator match(text.begin(), text.end(), named), end; match != end;
+           ++match, ++count) {
+        EXPECT_EQ(headers.count(source_of_installed((*match)[1])), 1u)
+            << entry.path() << " names " << (*match)[1];
+      }
+    }
+  }
+  EXPECT_GT(count, 10u);
+}
 
 TEST(UnitIncludeGraph, NoTwoFoldersAtAnyDepthIncludeEachOther) {
   const Graph graph = folder_graph(all_includes());
@@ -161,7 +248,7 @@ TEST(UnitIncludeGraph, ACircleIsFoundAndNamed) {
   EXPECT_EQ(find_circle(folder_graph({there, back})).value_or("none"),
             "lib/body -> lib/chainmail -> lib/body");
   std::vector<Include> all = all_includes();
-  all.push_back({"volumes/base/error.h", "volumes/io/open_volume.h", true});
+  all.push_back({"volumes/base/error.h", "volumes/io/load/load.h", true});
   EXPECT_TRUE(find_circle(folder_graph(all)));
 }
 

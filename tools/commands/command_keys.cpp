@@ -4,14 +4,18 @@
 #include <deque>
 #include <set>
 
+#include "lib/session/fem/fem_modes.h"
+#include "lib/session/fem/motion_step.h"
 #include "lib/session/file/cut_keys.h"
+#include "lib/session/retraction.h"
+#include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/file/live_event.h"
 #include "tools/scene/file/scene.h"
 #include "volumes/base/json.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 

@@ -6,6 +6,7 @@
 #include "tools/console/result_lines.h"
 #include "tools/lab/options/lab_options.h"
 #include "tools/scene/plan/calibrate.h"
+#include "tools/scene/plan/unit_costs.h"
 #include "volumes/base/json.h"
 #include "volumes/base/process.h"
 

@@ -5,10 +5,12 @@
 #include "lib/session/step_model.h"
 #include "tools/console/command.h"
 #include "tools/console/result_lines.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/plan_text.h"
-#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/plan/scene_plan.h"
 #include "tools/scene/run/reports.h"
+#include "tools/scene/run/scene_files.h"
 #include "volumes/base/json.h"
 
 namespace supple::tools {

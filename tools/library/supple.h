@@ -13,11 +13,10 @@
 // Errors are supple::Error and its derived classes (volumes/base/error.h).
 #pragma once
 
-#include "lib/material/material_file.h"
-#include "lib/session/handles/handles.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "lib/state/state_outputs.h"
 #include "tools/scene/pictures/show.h"
 #include "volumes/base/version.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "raycast/drawings/rest_outline.h"
+#include "raycast/scene/transfer_function.h"
 #include "tools/console/console.h"
 #include "tools/scene/live/live_loop.h"
 #include "tools/scene/live/state_parts.h"

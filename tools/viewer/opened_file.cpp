@@ -8,8 +8,8 @@
 #include "tools/scene/file/live_event.h"
 #include "volumes/base/text.h"
 #include "volumes/base/value.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

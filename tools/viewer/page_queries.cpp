@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/material/presets.h"
 #include "lib/relax/relaxation.h"
 #include "lib/session/spring_step.h"
@@ -11,7 +11,7 @@
 #include "tools/scene/run/reports.h"
 #include "tools/viewer/saving.h"
 #include "volumes/base/value.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lib/session/handles/handle_motion.h"
+#include "lib/session/handles/handles.h"
 #include "tools/scene/run/reports.h"
 #include "volumes/base/json.h"
 

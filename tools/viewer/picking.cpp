@@ -7,7 +7,7 @@
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/value.h"
 #include "volumes/grid/cell.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
 

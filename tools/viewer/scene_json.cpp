@@ -1,6 +1,7 @@
 // The message `scene`: all that the page's panels show.
 #include <algorithm>
 
+#include "lib/session/step_model.h"
 #include "tools/scene/live/held_parts.h"
 #include "tools/scene/live/step_texts.h"
 #include "tools/scene/run/reports.h"
@@ -9,7 +10,7 @@
 #include "tools/viewer/page_queries.h"
 #include "tools/viewer/parts_json.h"
 #include "volumes/base/value.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
 

@@ -6,7 +6,7 @@
 
 #include "raycast/scene/camera.h"
 #include "volumes/grid/cell.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
 

@@ -5,7 +5,7 @@
 #include <array>
 
 #include "volumes/base/simd.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

@@ -1,6 +1,5 @@
-#include "volumes/field/certificate.h"
-
 #include "volumes/base/value.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

@@ -1,8 +1,7 @@
-#include "volumes/field/displacement.h"
-
 #include <limits>
 #include <utility>
 
+#include "volumes/field/offset_field.h"
 #include "volumes/field/ring_fill.h"
 
 namespace supple {

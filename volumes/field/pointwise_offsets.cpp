@@ -1,4 +1,4 @@
-#include "volumes/field/pointwise_offsets.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

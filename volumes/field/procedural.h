@@ -4,7 +4,6 @@
 
 #include <functional>
 
-#include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 

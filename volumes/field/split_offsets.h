@@ -8,7 +8,7 @@
 // cost as much as without splitting.
 #pragma once
 
-#include "volumes/field/pointwise_offsets.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

@@ -1,9 +1,7 @@
-#include "volumes/field/vector_bricks.h"
-
 #include <cmath>
 
+#include "volumes/field/offset_field.h"
 #include "volumes/grid/cell.h"
-
 namespace supple {
 
 VectorBrickFinder finder_of(const VectorBricks& field) {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "volumes/geometry/geometry.h"
 #include "volumes/geometry/keyframes.h"
-#include "volumes/geometry/turn.h"
 
 namespace supple {
 

@@ -1,8 +1,7 @@
-#include "volumes/geometry/turn.h"
-
 #include <cmath>
 
 #include "volumes/base/units.h"
+#include "volumes/geometry/geometry.h"
 
 namespace supple {
 

@@ -1,11 +1,10 @@
-#include "volumes/grid/brick_extremes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 
 #include "volumes/base/simd.h"
+#include "volumes/grid/brick_topology.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {

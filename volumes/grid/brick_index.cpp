@@ -1,6 +1,6 @@
-#include "volumes/grid/brick_index.h"
-
 #include <algorithm>
+
+#include "volumes/grid/brick_topology.h"
 
 namespace supple {
 

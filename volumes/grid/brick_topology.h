@@ -1,6 +1,6 @@
 // The set of active voxels as 8^3 bricks, mirrored from the leaves of an OpenVDB tree, so that
 // solvers and marchers need not include OpenVDB. Memory: 100 bytes per brick plus a two-level
-// look-up table that grows with occupied 128^3 regions, never with the box.
+// look-up table that grows with occupied 128^3 regions (16 kB each), never with the box.
 #pragma once
 
 #include <array>
@@ -10,9 +10,61 @@
 #include <utility>
 #include <vector>
 
-#include "volumes/grid/brick_index.h"
+#include "volumes/base/vec.h"
 
 namespace supple {
+
+constexpr int kBrickDim = 8;
+
+/// The tables as flat arrays: regions of 16^3 bricks, x slowest, each -1 (no brick) or the number
+/// of a table of 4096 brick numbers (x slowest), -1 where there is none.
+struct BrickLookup {
+  Vec3i region_lo{0, 0, 0};    // in units of 128 voxels
+  Vec3i region_dims{0, 0, 0};  // 0: no bricks
+  const std::int32_t* regions = nullptr;
+  const std::int32_t* tables = nullptr;
+};
+
+/// Bricks, numbered as they come. Voxel coordinates may be negative.
+class BrickIndex {
+ public:
+  static constexpr int kTableSize = 4096;
+
+  BrickIndex() = default;
+  /// `origins` are multiples of 8 and unique; they are numbered in this order.
+  explicit BrickIndex(std::vector<Vec3i> origins);
+
+  std::size_t count() const { return m_origins.size(); }
+  bool empty() const { return m_origins.empty(); }
+  /// Smallest voxel of brick b.
+  const Vec3i& origin(std::size_t b) const { return m_origins[b]; }
+  const std::vector<Vec3i>& origins() const { return m_origins; }
+
+  /// Brick that holds the voxel, or -1.
+  std::int32_t find(const Vec3i& voxel) const;
+  /// The brick with this origin, a new one if there is none.
+  std::size_t add(const Vec3i& origin);
+
+  /// find() for callers that look up many voxels at once; valid until a brick is added.
+  BrickLookup lookup() const;
+  /// Index in lookup().tables of the number of brick b.
+  std::size_t place(std::size_t b) const;
+  /// Length of lookup().tables.
+  std::size_t place_count() const { return m_tables.size() * kTableSize; }
+
+  std::size_t bytes() const;
+
+ private:
+  std::size_t region_at(const Vec3i& voxel) const;
+  void span_regions(const Vec3i& lo, const Vec3i& hi);
+  void enter(std::size_t b);
+
+  std::vector<Vec3i> m_origins;
+  Vec3i m_region_lo{0, 0, 0};
+  Vec3i m_region_dims{0, 0, 0};
+  std::vector<std::int32_t> m_regions;
+  std::vector<std::array<std::int32_t, kTableSize>> m_tables;
+};
 
 constexpr int kBrickVoxels = 512;
 
@@ -127,5 +179,18 @@ BrickTopology dilate_inside(const BrickTopology& topology, int rings, const Vec3
 
 /// True when a trilinear reading at the position would see an active voxel.
 bool touches(const BrickTopology& topology, const Vec3d& pos);
+
+/// Part 0 is the brick. Bit 4, 2 and 1 of a part say that only its lowest voxels along x, y and z
+/// count.
+struct BrickExtremes {
+  static constexpr std::size_t kParts = 8;
+
+  std::array<float, kParts> lo, hi;  // lo > hi: none
+  bool integers = true;              // of all densities
+};
+
+/// Extremes of the finite densities of the voxels that are active in the mask.
+/// @param values 512 densities in brick order.
+BrickExtremes find_extremes(const float* values, const BrickMask& mask);
 
 }  // namespace supple

@@ -1,8 +1,7 @@
-#include "volumes/grid/volume.h"
-
 #include <cmath>
 
 #include "volumes/base/text.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple {
 

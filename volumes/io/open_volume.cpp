@@ -1,6 +1,4 @@
 // Chooses the reader by content first, extension second.
-#include "volumes/io/open_volume.h"
-
 #include <algorithm>
 #include <filesystem>
 
@@ -9,6 +7,7 @@
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/dicom/dicom.h"
 #include "volumes/io/format/formats.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/images/image_series.h"
 #include "volumes/io/tiff/tiff_directories.h"
 #include "volumes/io/transform/transform_volume.h"

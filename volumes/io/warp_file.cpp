@@ -10,7 +10,7 @@
 #include "volumes/io/bytes/text_header.h"
 #include "volumes/io/bytes/value_type.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/transform/transform_volume.h"
 
 namespace supple {

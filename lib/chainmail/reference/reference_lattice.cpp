@@ -1,6 +1,6 @@
 #include "lib/chainmail/reference/reference_lattice.h"
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "volumes/base/error.h"
 
 namespace supple::reference {

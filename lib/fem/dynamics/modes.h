@@ -20,7 +20,7 @@
 
 #include "lib/fem/dynamics/mass.h"
 #include "lib/fem/elastic_solid.h"
-#include "lib/fem/fem_report.h"
+#include "lib/fem/fem_solution.h"
 
 namespace supple {
 
@@ -46,20 +46,6 @@ struct VibrationMode {
   std::vector<double> shape;
 
   Vec3d effective_mass_kg() const { return participation_kg_half * participation_kg_half; }
-};
-
-struct ModesReport {
-  std::int64_t elements = 0, nodes = 0, unknowns = 0;
-  int levels = 0;
-  int solutions = 0, iterations = 0;  // of linear systems, and of conjugate gradients in all
-  int late_modes = 0;                 // that only the search among the rest found
-  std::int64_t islands = 0, loose_islands = 0, loose_elements = 0;
-  std::int64_t rigid_modes = 0;  // left out
-  double mass_kg = 0;            // of the whole mesh
-  double largest_residual = 0;
-  double orthogonality = 0;  // the largest entry of phi^T M phi - 1
-  std::size_t bytes = 0;     // at the most, of the solver and its mesh
-  double milliseconds = 0;
 };
 
 struct VibrationModes {

@@ -26,7 +26,7 @@
 
 #include "lib/fem/dynamics/mass.h"
 #include "lib/fem/elastic_solid.h"
-#include "lib/fem/fem_report.h"
+#include "lib/fem/fem_solution.h"
 
 namespace supple {
 
@@ -47,12 +47,6 @@ struct NewmarkParams {
 
   /// Throws InputError.
   void validate() const;
-};
-
-/// Energies in mJ. `work` is that of loads and of what is held, `dissipated` what damping took,
-/// since the motion began.
-struct MotionEnergy {
-  double elastic_mj = 0, kinetic_mj = 0, work_mj = 0, dissipated_mj = 0;
 };
 
 /// Part of its way that something has come, 0 to 1, and the derivatives of that by time.

@@ -21,7 +21,7 @@
 
 #include "lib/body/body.h"
 #include "lib/fem/elastic_solid.h"
-#include "lib/fem/fem_report.h"
+#include "lib/fem/fem_solution.h"
 #include "lib/fem/voxel/fem_loads.h"
 #include "lib/fem/voxel/hex_mesh.h"
 #include "lib/fem/voxel/voxel_material.h"

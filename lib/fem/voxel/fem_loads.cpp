@@ -6,7 +6,7 @@
 #include "lib/fem/voxel/voxel_nodes.h"
 #include "volumes/base/error.h"
 #include "volumes/base/units.h"
-#include "volumes/grid/brick_index.h"
+#include "volumes/grid/brick_topology.h"
 
 namespace supple {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "lib/fem/nodal_loads.h"
-#include "volumes/grid/brick_index.h"
+#include "volumes/grid/brick_topology.h"
 
 namespace supple {
 

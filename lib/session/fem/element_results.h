@@ -7,24 +7,11 @@
 #include <vector>
 
 #include "lib/body/body.h"
+#include "lib/fem/fem_report.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_results.h"
 
 namespace supple {
-
-/// A value per element.
-struct ElementValues {
-  FemQuantity quantity = FemQuantity::von_mises;
-  BrickTopology elements;         // of the body at that step
-  std::vector<float> of_element;  // in the order of their bricks
-};
-
-/// Means over the elements of a label, volumes being alike.
-struct StrainGauge {
-  std::int32_t label = 0;
-  std::int64_t elements = 0;
-  std::array<double, kFemQuantities.size()> mean{};
-};
 
 /// The elements of the solid that each element of the body consists of.
 using ElementParts = std::vector<std::vector<std::int32_t>>;

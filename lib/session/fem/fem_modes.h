@@ -6,31 +6,11 @@
 
 #include "lib/body/slot_set.h"
 #include "lib/fem/dynamics/modes.h"
+#include "lib/fem/fem_report.h"
 #include "lib/session/fem/fem_solid.h"
 #include "volumes/base/fields.h"
 
 namespace supple {
-
-struct ModeStep {
-  int count = 10;
-  int shape = 1;                       // which the body takes, the lowest is 1
-  std::optional<double> amplitude_mm;  // of its largest displacement; none: default_amplitude_mm()
-};
-
-/// A mode without its shape at nodes.
-struct ModeRow {
-  double frequency_hz = 0, residual = 0;
-  Vec3d participation_kg_half{0, 0, 0}, effective_mass_kg{0, 0, 0};
-  /// Displacement of the elements' centres along LPS, the longest of length 1, in the order of the
-  /// bricks.
-  std::vector<Vec3f> shape;
-};
-
-struct ModesRecord {
-  ModesReport report;
-  std::vector<ModeRow> modes;  // ascending
-  double amplitude_mm = 0;     // with which they are shown
-};
 
 /// A twentieth of the diagonal of the elements' box.
 double default_amplitude_mm(const Body& body);

@@ -4,18 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "lib/fem/fem_report.h"
 #include "lib/model/fem_grips.h"
 #include "volumes/base/progress.h"
 
 namespace supple {
-
-/// A handle beside others, or beside what is held, that does not reach its place: offsets from rest
-/// of its elements, in the mean.
-struct SharedHandle {
-  std::string name;
-  Vec3d asked_mm{0, 0, 0}, reached_mm{0, 0, 0};  // LPS
-  double off_voxels = 0;                         // of an element, at most
-};
 
 /// Finds such handles; leaves out soft edges, which promise no place.
 std::vector<SharedHandle> shared_handles(const std::vector<GripReach>& reaches,

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "lib/fem/voxel/hex_mesh.h"
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "volumes/field/inversion/linked_elements.h"
 #include "volumes/grid/cell.h"
 

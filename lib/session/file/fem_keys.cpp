@@ -3,6 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "lib/session/fem/fem_modes.h"
+#include "lib/session/fem/motion_step.h"
 #include "lib/session/file/handle_keys.h"
 
 namespace supple {

@@ -1,10 +1,11 @@
 #include "lib/session/file/step_keys.h"
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/file/cut_keys.h"
 #include "lib/session/file/fem_keys.h"
 #include "lib/session/file/handle_keys.h"
 #include "lib/session/file/spring_keys.h"
+#include "lib/session/retraction.h"
 #include "lib/session/step_model.h"
 
 namespace supple {

@@ -1,13 +1,30 @@
 // A handle of a step with its motion, as it was placed or on the grid.
 #pragma once
 
+#include <limits>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
-#include "lib/session/handles/handle_motion.h"
 #include "lib/session/handles/selection.h"
 
 namespace supple {
+
+/// Handles follow their paths from the first key to the last.
+constexpr double kWholePaths = std::numeric_limits<double>::infinity();
+
+/// Scale, then turn, both about one point and in mm, so that unequal spacings keep shapes; the
+/// shift comes after.
+struct HandleMotion {
+  std::optional<Vec3d> about_lps_mm;  // absent: the middle of the grabbed elements
+  Vec3d axis_lps{0, 0, 1};            // of any length but 0
+  double angle_deg = 0;               // right-handed about the axis
+  Vec3d scale{1, 1, 1};
+  bool scales_along_grid = false;  // scale is along i, j, k, not x, y, z
+
+  bool is_shift() const { return angle_deg == 0 && scale == Vec3d(1); }
+};
 
 /// Motion on which a drag takes its elements, from where they are before the step.
 struct DragPose {
@@ -34,6 +51,15 @@ struct Drag {
 
   bool is_animated() const { return placed && !placed->path.empty(); }
 };
+/// The elements of one handle, at rest.
+struct HandlePlace {
+  std::string name;  // of its region
+  std::int64_t elements = 0;
+  Vec3d centre_index{0, 0, 0}, centre_lps_mm{0, 0, 0};
+  float least_density = 0, largest_density = 0;
+  std::set<std::int32_t> labels;  // 0: some have none
+};
+
 /// The keys of a motion; `placed` must be there.
 Fields fields(Drag& handle);
 

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "lib/session/handles/handle_motion.h"
+
 namespace supple {
 
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "volumes/base/error.h"
-#include "volumes/geometry/turn.h"
+#include "volumes/geometry/geometry.h"
 
 namespace supple {
 

@@ -4,22 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "lib/chainmail/ecm.h"
+#include "lib/chainmail/drag.h"
+#include "lib/session/handles/drag.h"
 #include "lib/session/handles/selection.h"
 
 namespace supple {
-
-/// Scale, then turn, both about one point and in mm, so that unequal spacings keep shapes; the
-/// shift comes after.
-struct HandleMotion {
-  std::optional<Vec3d> about_lps_mm;  // absent: the middle of the grabbed elements
-  Vec3d axis_lps{0, 0, 1};            // of any length but 0
-  double angle_deg = 0;               // right-handed about the axis
-  Vec3d scale{1, 1, 1};
-  bool scales_along_grid = false;  // scale is along i, j, k, not x, y, z
-
-  bool is_shift() const { return angle_deg == 0 && scale == Vec3d(1); }
-};
 
 using Displacements = std::vector<std::array<std::int32_t, 3>>;
 

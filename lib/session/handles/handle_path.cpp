@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "volumes/base/units.h"
+#include "volumes/geometry/pose_path.h"
 
 namespace supple {
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "lib/session/handles/handles.h"
+#include "volumes/geometry/pose_path.h"
 
 namespace supple {
 

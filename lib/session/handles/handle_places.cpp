@@ -7,8 +7,8 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/values_at.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple {
 

@@ -6,19 +6,11 @@
 #include <string>
 
 #include "lib/body/region.h"
+#include "lib/session/handles/drag.h"
 #include "lib/state/state.h"
 #include "volumes/io/format/volume_file.h"
 
 namespace supple {
-
-/// The elements of one handle, at rest.
-struct HandlePlace {
-  std::string name;  // of its region
-  std::int64_t elements = 0;
-  Vec3d centre_index{0, 0, 0}, centre_lps_mm{0, 0, 0};
-  float least_density = 0, largest_density = 0;
-  std::set<std::int32_t> labels;  // 0: some have none
-};
 
 /// Throws InputError as elements_of().
 HandlePlace place_of(const Region& region, const Body& body, const State& state);

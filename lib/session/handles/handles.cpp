@@ -7,6 +7,7 @@
 #include "lib/session/handles/handle_path.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
+#include "volumes/geometry/pose_path.h"
 
 namespace supple {
 

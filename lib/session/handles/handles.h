@@ -9,8 +9,7 @@
 
 namespace supple {
 
-/// Handles follow their paths from the first key to the last.
-constexpr double kWholePaths = std::numeric_limits<double>::infinity();
+class PosePath;
 
 Vec3d index_of(const Vec3d& place, PlaceFrame frame, const Geometry& geometry);
 /// Turns a vector in mm from the frame into LPS.

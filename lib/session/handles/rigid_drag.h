@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "lib/chainmail/drag.h"
 #include "lib/session/handles/drag.h"
 
 namespace supple {

@@ -2,9 +2,15 @@
 #include <algorithm>
 
 #include "lib/chainmail/cut_contact.h"
+#include "lib/chainmail/ecm.h"
+#include "lib/chainmail/tighten.h"
 #include "lib/model/quasi_static.h"
+#include "lib/model/relax_model.h"
 #include "lib/relax/relaxation.h"
+#include "lib/session/fem_task.h"
 #include "lib/session/models/drags.h"
+#include "lib/session/rigid_request.h"
+#include "lib/session/spring_step.h"
 #include "lib/session/step_warnings.h"
 #include "volumes/base/error.h"
 

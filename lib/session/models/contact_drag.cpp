@@ -8,6 +8,7 @@
 #include "lib/chainmail/cut_contact.h"
 #include "lib/session/handles/drag_handles.h"
 #include "lib/session/models/drags.h"
+#include "lib/session/rigid_request.h"
 #include "lib/session/step_warnings.h"
 
 namespace supple {

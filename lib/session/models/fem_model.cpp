@@ -1,9 +1,12 @@
 // Finite elements as the model of a step.
+#include "lib/model/fem_model.h"
+
 #include <algorithm>
 
 #include "lib/chainmail/cut_contact.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_cost.h"
+#include "lib/session/fem_task.h"
 #include "lib/session/models/drags.h"
 #include "lib/session/step_warnings.h"
 

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <numeric>
 
+#include "lib/chainmail/ball_limits.h"
 #include "lib/session/models/drags.h"
+#include "lib/session/rigid_request.h"
 #include "volumes/base/error.h"
 
 namespace supple {

@@ -1,5 +1,6 @@
 // Springs as the model of a step.
 #include "lib/session/models/drags.h"
+#include "lib/session/spring_step.h"
 #include "lib/springs/spring_cost.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"

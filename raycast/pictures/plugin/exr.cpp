@@ -14,7 +14,7 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <OpenEXR/ImfStdIO.h>
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 

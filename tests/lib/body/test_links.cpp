@@ -10,7 +10,7 @@
 #include "lib/body/link_masks.h"
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/tighten.h"
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/model/relax_model.h"
 #include "tests/lib/test_bodies.h"
 

@@ -1,7 +1,7 @@
 // Tables of labels: how classes are shared out, and what a link between two tables may do.
 #include <gtest/gtest.h>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/material/material.h"
 #include "tests/lib/test_bodies.h"
 

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
+#include "lib/chainmail/ecm.h"
 #include "lib/model/relax_model.h"
 #include "lib/relax/brick_springs.h"
 #include "lib/relax/fine_offsets.h"

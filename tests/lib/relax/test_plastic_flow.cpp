@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "lib/chainmail/ecm.h"
 #include "lib/model/relax_model.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/lib/test_bodies.h"

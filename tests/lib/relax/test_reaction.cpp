@@ -4,7 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
+#include "lib/chainmail/ecm.h"
 #include "lib/relax/reaction.h"
 #include "tests/lib/quadratic_program.h"
 #include "tests/lib/relaxed_bodies.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/model/relax_model.h"
 #include "lib/relax/sweep_kernel.h"
 #include "tests/lib/brute_force.h"

@@ -7,7 +7,7 @@
 #include <Eigen/SparseCore>
 #include <gtest/gtest.h>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/ecm.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/support/sanitized.h"

@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/ecm.h"
+#include "lib/relax/reaction.h"
 #include "lib/relax/spring_shares.h"
 #include "tests/lib/brute_force.h"
 #include "tests/lib/relaxed_bodies.h"

@@ -5,7 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
+#include "lib/chainmail/ecm.h"
 #include "lib/relax/cell_moduli.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/support/sanitized.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
 

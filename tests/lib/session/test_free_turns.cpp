@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/nearest_point.h"
-#include "lib/material/material_file.h"
+#include "lib/body/smallest_motion.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"

@@ -5,8 +5,9 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/handles/drag_handles.h"
+#include "lib/session/handles/handle_motion.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"

@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/handles/handle_path.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitized.h"
+#include "volumes/geometry/pose_path.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -1,7 +1,7 @@
 // Anchors that are meant to hold rigid pieces, and what is told where they do not.
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
 #include "volumes/base/json.h"

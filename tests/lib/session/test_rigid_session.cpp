@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "tests/lib/test_bodies.h"
 #include "tests/support/program.h"

@@ -1,7 +1,7 @@
 // Sessions: the whole job without a window, its journal, and steps taken back.
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/relax/cell_moduli.h"
 #include "lib/relax/reaction.h"
 #include "lib/session/file/step_keys.h"

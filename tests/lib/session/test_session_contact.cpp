@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/contact/cut_lips.h"
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
 #include "tests/support/sanitized.h"

@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/material/material_file.h"
-#include "lib/session/session.h"
+#include "lib/material/material.h"
 #include "lib/material/tissue.h"
+#include "lib/session/session.h"
 #include "tests/support/errors.h"
 #include "tests/support/temporary_folder.h"
 

@@ -1,7 +1,6 @@
 // Fields of a local drag: what they store does not grow with the tissue around it.
 #include <gtest/gtest.h>
 
-#include "lib/state/live_displacement.h"
 #include "lib/state/pose.h"
 #include "lib/state/warp_jumps.h"
 #include "tests/support/program.h"

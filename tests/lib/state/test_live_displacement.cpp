@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "lib/state/live_displacement.h"
+#include "lib/state/pose.h"
 #include "tests/support/random_state.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 
 using namespace supple;
 using namespace supple::test;

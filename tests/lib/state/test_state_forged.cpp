@@ -8,7 +8,7 @@
 #include "tests/support/random_state.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
-#include "volumes/grid/vdb_grid.h"
+#include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/vdb/vdb_seal.h"
 
 using namespace supple;

@@ -13,8 +13,8 @@
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/error.h"
 #include "volumes/base/parallel.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 
 using namespace supple;

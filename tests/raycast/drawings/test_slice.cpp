@@ -3,7 +3,7 @@
 
 #include "raycast/drawings/slice.h"
 #include "tests/raycast/scenes.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple {
 namespace {

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <png.h>
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/base/atomic_file.h"
 

@@ -7,6 +7,7 @@
 #include "tests/support/program.h"
 #include "tests/support/sanitized.h"
 #include "tools/console/console.h"
+#include "tools/scene/file/view.h"
 #include "tools/scene/live/live_loop.h"
 
 using namespace supple;

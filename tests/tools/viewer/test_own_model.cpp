@@ -9,7 +9,7 @@
 #include "tools/console/program.h"
 #include "tools/scene/file/step_method.h"
 #include "tools/scene/live/live_session.h"
-#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/plan/scene_plan.h"
 #include "tools/scene/run/reports.h"
 #include "tools/viewer/page_queries.h"
 #include "volumes/base/json.h"

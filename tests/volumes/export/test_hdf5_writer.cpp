@@ -12,7 +12,6 @@
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 

@@ -15,9 +15,8 @@
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/inversion/invert.h"
 #include "volumes/field/procedural.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 #include "volumes/io/format/volume_file.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 
 using namespace supple;

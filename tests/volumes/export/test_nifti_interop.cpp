@@ -9,7 +9,7 @@
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 

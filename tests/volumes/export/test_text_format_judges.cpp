@@ -7,7 +7,7 @@
 #include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 #include "volumes/io/format/dense_writer.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 using namespace supple;
 using namespace supple::test;

@@ -8,7 +8,6 @@
 #include "volumes/base/error.h"
 #include "volumes/io/format/dense_writer.h"
 #include "volumes/io/format/volume_file.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/tiff/tiff_tags.h"
 
 using namespace supple;

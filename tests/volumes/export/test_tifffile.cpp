@@ -6,7 +6,6 @@
 
 #include "tests/support/temporary_folder.h"
 #include "volumes/io/format/volume_file.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/volume_writer.h"
 
 using namespace supple;

@@ -3,7 +3,7 @@
 #include "tests/support/field_fixtures.h"
 #include "tests/support/sanitized.h"
 #include "volumes/base/parallel.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/grid/voxel_sets.h"
 

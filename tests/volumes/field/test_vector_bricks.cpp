@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/field_fixtures.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/procedural.h"
 
 using namespace supple;

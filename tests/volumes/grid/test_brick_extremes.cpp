@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "volumes/grid/brick_extremes.h"
+#include "volumes/grid/brick_topology.h"
 
 using namespace supple;
 

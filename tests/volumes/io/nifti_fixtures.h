@@ -8,7 +8,7 @@
 #include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 

@@ -5,8 +5,8 @@
 #include <png.h>
 
 #include "tests/support/io_fixtures.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

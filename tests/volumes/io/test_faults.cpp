@@ -10,8 +10,8 @@
 #include "tests/support/io_fixtures.h"
 #include "tests/support/sanitized.h"
 #include "volumes/base/error.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::test {

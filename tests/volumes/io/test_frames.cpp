@@ -3,7 +3,7 @@
 
 #include "tests/support/io_fixtures.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

@@ -7,7 +7,7 @@
 #include <openvdb/io/Stream.h>
 
 #include "tests/support/io_fixtures.h"
-#include "volumes/grid/vdb_grid.h"
+#include "volumes/grid/density_grid_vdb.h"
 
 namespace supple::test {
 namespace {

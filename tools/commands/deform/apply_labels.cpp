@@ -7,6 +7,7 @@
 #include "volumes/base/json.h"
 #include "volumes/base/parallel.h"
 #include "volumes/field/dense/grid_positions.h"
+#include "volumes/io/format/dense_writer.h"
 
 namespace supple::tools {
 

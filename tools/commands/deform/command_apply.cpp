@@ -8,8 +8,8 @@
 #include "tools/console/field_options.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/json.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/mesh/mesh_file.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/point_file.h"
 #include "volumes/io/warp_file.h"
 

@@ -2,6 +2,8 @@
 #include <cstdio>
 #include <map>
 
+#include "lib/session/file/step_keys.h"
+#include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
@@ -9,12 +11,14 @@
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
 #include "tools/console/result_lines.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/plan/memory_need.h"
-#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/plan/scene_plan.h"
+#include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/json.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/point_file.h"
 
 namespace supple::tools {

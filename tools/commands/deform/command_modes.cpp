@@ -1,16 +1,19 @@
 // supple modes: the lowest modes of vibration of a body, and states that have their shapes.
 #include <cstdio>
 
+#include "lib/session/fem/fem_modes.h"
 #include "lib/session/session.h"
 #include "tools/console/body_options.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/pictures/picture_options.h"
 #include "tools/scene/plan/memory_need.h"
+#include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/json.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 

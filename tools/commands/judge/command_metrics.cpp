@@ -11,9 +11,10 @@
 #include "volumes/base/json.h"
 #include "volumes/field/dense/invert_warp.h"
 #include "volumes/field/inversion/deformation_metrics.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/stored_labels.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::tools {

@@ -9,12 +9,13 @@
 #include "tools/console/parse.h"
 #include "tools/scene/file/transfer_file.h"
 #include "tools/scene/plan/memory_need.h"
-#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/plan/scene_plan.h"
+#include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/scene_run.h"
 #include "tools/scene/run/staging.h"
 #include "volumes/base/json.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 

@@ -3,9 +3,10 @@
 
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/run/scene_run.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 

@@ -10,7 +10,7 @@
 #include "tools/scene/run/output_plan.h"
 #include "volumes/io/format/data_files.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 

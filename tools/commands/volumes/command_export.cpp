@@ -12,9 +12,9 @@
 #include "tools/scene/file/offset_functions.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/json.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/values_at.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

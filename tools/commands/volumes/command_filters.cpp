@@ -9,8 +9,8 @@
 #include "tools/scene/run/output_plan.h"
 #include "volumes/io/filter/filters.h"
 #include "volumes/io/format/formats.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

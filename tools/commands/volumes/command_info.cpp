@@ -16,9 +16,9 @@
 #include "volumes/io/bytes/input_file.h"
 #include "volumes/io/bytes/value_type.h"
 #include "volumes/io/format/formats.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/mesh/mesh_contents.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/vtu/vtu.h"
 
 namespace supple::tools {

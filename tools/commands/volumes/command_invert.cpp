@@ -9,6 +9,7 @@
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/json.h"
 #include "volumes/field/dense/invert_warp.h"
+#include "volumes/io/volume_writer.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::tools {

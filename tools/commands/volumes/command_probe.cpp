@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/handles/handles.h"
 #include "lib/session/session.h"
 #include "tools/console/command.h"
@@ -13,9 +13,9 @@
 #include "volumes/base/json.h"
 #include "volumes/base/text.h"
 #include "volumes/grid/voxel_sets.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/values_at.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

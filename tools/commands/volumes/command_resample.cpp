@@ -9,7 +9,7 @@
 #include "tools/scene/run/converted.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/io/filter/on_grid.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 

@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include "lib/springs/stability.h"
+#include "lib/springs/lattice_springs.h"
 #include "tools/lab/stress/stress_rows.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/run/scene_run.h"
 
 #ifdef SUPPLE_HAS_REFERENCE

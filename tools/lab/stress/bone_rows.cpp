@@ -4,7 +4,7 @@
 
 #include "lib/contact/piece_contact.h"
 #include "lib/contact/piece_overlap.h"
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/material/presets.h"
 #include "lib/session/handles/rigid_drag.h"
 #include "lib/session/session.h"

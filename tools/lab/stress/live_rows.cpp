@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include "lib/session/step_model.h"
 #include "tools/lab/stress/stress_rows.h"
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/replay.h"

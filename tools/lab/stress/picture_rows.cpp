@@ -2,7 +2,9 @@
 #include <cmath>
 
 #include "tools/lab/stress/stress_rows.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/run/scene_run.h"
+#include "tools/scene/run/view_pictures.h"
 
 namespace supple::tools {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
-#include "lib/material/material_file.h"
+#include "lib/body/slot_set.h"
+#include "lib/material/material.h"
 #include "lib/relax/relaxation.h"
 #include "volumes/base/error.h"
 #include "volumes/field/inversion/deformation_metrics.h"

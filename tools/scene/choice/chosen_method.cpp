@@ -10,7 +10,7 @@
 #include "tools/scene/choice/shipped_choices.h"
 #include "tools/scene/file/step_method.h"
 #include "tools/scene/plan/memory_need.h"
-#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/plan/scene_plan.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/files.h"
 

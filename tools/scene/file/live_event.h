@@ -5,7 +5,9 @@
 
 #include <string>
 
-#include "tools/scene/file/scene.h"
+#include "lib/session/step.h"
+#include "volumes/base/table.h"
+#include "volumes/base/text.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "tools/scene/file/transfer_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"
 #include "volumes/base/table.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/label_file.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "volumes/base/error.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
 

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "raycast/drawings/slice.h"
-#include "raycast/sample/source_bricks.h"
 #include "tools/scene/file/tissue_marks.h"
 #include "volumes/base/fields.h"
 #include "volumes/grid/density_grid.h"

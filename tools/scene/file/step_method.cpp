@@ -1,5 +1,6 @@
 #include "tools/scene/file/step_method.h"
 
+#include "lib/model/refined_shape.h"
 #include "volumes/base/error.h"
 
 namespace supple::tools {

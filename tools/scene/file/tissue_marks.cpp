@@ -3,8 +3,8 @@
 #include <filesystem>
 
 #include "volumes/base/error.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

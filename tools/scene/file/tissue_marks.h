@@ -7,7 +7,7 @@
 #include <string>
 
 #include "volumes/base/fields.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 #include "volumes/io/load/stored_labels.h"
 
 namespace supple::tools {

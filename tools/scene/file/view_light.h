@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "raycast/march/shading.h"
+#include "raycast/march/render_settings.h"
 #include "raycast/scene/surface.h"
 #include "volumes/base/table.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple::tools {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tools/scene/file/scene.h"
+
 namespace supple::tools {
 
 std::optional<LiveEvent> first_anchor(LiveSession& live) {

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "lib/session/session.h"
-#include "lib/state/live_displacement.h"
+#include "lib/state/pose.h"
 #include "raycast/drawings/slice.h"
 #include "raycast/render.h"
 #include "volumes/base/progress.h"

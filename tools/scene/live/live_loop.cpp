@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "tools/scene/file/view.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/parallel.h"
 

@@ -4,7 +4,11 @@
 #include <cmath>
 #include <mutex>
 
+#include "raycast/drawings/slice.h"
 #include "raycast/progressive.h"
+#include "raycast/render.h"
+#include "raycast/scene/clip.h"
+#include "tools/scene/file/view.h"
 #include "tools/scene/live/live_body.h"
 #include "tools/scene/run/staging.h"
 #include "tools/scene/run/view_pictures.h"

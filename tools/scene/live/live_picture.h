@@ -10,12 +10,18 @@
 #include <optional>
 
 #include "lib/session/session.h"
-#include "raycast/drawings/slice.h"
 #include "raycast/pictures/image.h"
-#include "tools/scene/file/view.h"
+#include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
 
+namespace supple {
+class Renderer;
+struct Camera;
+}  // namespace supple
+
 namespace supple::tools {
+
+struct SceneView;
 
 /// Cost of the last first_pixels().
 struct LiveCost {
@@ -68,7 +74,7 @@ class LivePicture {
   const State& opened() const;
   /// Tells where what is seen was at rest until the body moves or is seen otherwise; null: nothing
   /// has moved. `exact`: by the inverse, which is brought up to date; else as is sooner.
-  RestPlaceAt rest_places(bool exact);
+  std::function<bool(const Vec3d& index, Vec3d& at_rest)> rest_places(bool exact);
   const Displacement& displacement() const;
   /// The longest displacement.
   double longest_mm() const;

@@ -2,6 +2,7 @@
 // the steps that have not been taken back.
 #include <filesystem>
 
+#include "tools/scene/file/scene.h"
 #include "tools/scene/live/live_session.h"
 
 namespace supple::tools {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "lib/session/step_model.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/live/held_parts.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
@@ -36,7 +38,15 @@ bool has_anchors(const State& state) {
 
 }  // namespace
 
-LiveSession::LiveSession(const Table& root, Progress* progress) : m_scene(read_scene(root)) {
+struct LiveSession::Opened {
+  Scene scene;
+  SceneView view;
+};
+
+LiveSession::LiveSession(const Table& root, Progress* progress)
+    : m_opened(std::make_unique<Opened>(Opened{read_scene(root), {}})),
+      m_scene(m_opened->scene),
+      m_view(m_opened->view) {
   for (const std::string& line : m_scene.warnings) warn(progress, line);
   if (!m_scene.warp_path.empty() || !m_scene.path.empty() || m_scene.film) {
     throw InputError({m_scene.file, "", "a warp, path or film", "a body that events move"});
@@ -53,6 +63,8 @@ LiveSession::LiveSession(const Table& root, Progress* progress) : m_scene(read_s
   const bool is_state = std::filesystem::path(m_scene.volume_path).extension() == ".vdb";
   m_is_state_anchored = is_state && has_anchors(m_session->state());
 }
+
+LiveSession::~LiveSession() = default;
 
 void LiveSession::read_events(const Table& whole) {
   Table root = whole;

@@ -11,11 +11,17 @@
 #include <vector>
 
 #include "lib/session/session.h"
-#include "lib/session/step_model.h"
 #include "tools/scene/file/live_event.h"
 #include "volumes/base/value.h"
 
+namespace supple {
+struct StepModel;  // lib/session/step_model.h
+}
+
 namespace supple::tools {
+
+struct Scene;
+struct SceneView;
 
 /// Passes of relaxation after which a new event may come; a relaxation of more is as many events.
 constexpr int kSlicePasses = 5;
@@ -25,6 +31,7 @@ class LiveSession {
   /// Opens what the root of a journal or a scene describes; its events or steps are left to
   /// events(). Throws InputError as read_scene and Session, and where it has both.
   LiveSession(const Table& root, Progress* progress);
+  ~LiveSession();
 
   /// Events of a journal; of a scene its steps, each as one event.
   const std::vector<LiveEvent>& events() const { return m_events; }
@@ -123,7 +130,10 @@ class LiveSession {
   bool take_look_back();
   bool make_look_again();
 
-  Scene m_scene;
+  struct Opened;
+  std::unique_ptr<Opened> m_opened;
+  Scene& m_scene;
+  SceneView& m_view;
   Table::Admits m_admits;  // asks before files are read that events name
   Value m_head;            // the file without steps, events and outputs, paths absolute
   std::vector<LiveEvent> m_events;
@@ -131,8 +141,7 @@ class LiveSession {
   EventKind m_last_recorded = EventKind::step;
   Recorder m_recorder;
   std::unique_ptr<Session> m_session;
-  bool m_is_state_anchored = false;  // the opened state fixes elements
-  SceneView m_view;
+  bool m_is_state_anchored = false;      // the opened state fixes elements
   Value m_view_keys, m_first_view_keys;  // the latter as opened
   std::optional<LiveEvent> m_grab;
   std::optional<LiveEvent> m_model;     // of another model than ECM

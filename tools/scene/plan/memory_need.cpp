@@ -4,12 +4,13 @@
 #include <cstdio>
 
 #include "lib/state/state_source.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/plan/plan_ledger.h"
-#include "tools/scene/plan/planned_run.h"
+#include "tools/scene/plan/scene_plan.h"
 #include "volumes/base/error.h"
 #include "volumes/base/memory.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/brick_sample.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

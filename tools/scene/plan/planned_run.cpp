@@ -1,5 +1,8 @@
-#include "tools/scene/plan/planned_run.h"
-
+#include "lib/session/session.h"
+#include "tools/scene/file/scene.h"
+#include "tools/scene/plan/scene_plan.h"
+#include "tools/scene/plan/unit_costs.h"
+#include "tools/scene/run/scene_run.h"
 #include "volumes/base/error.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/stopwatch.h"

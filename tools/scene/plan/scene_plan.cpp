@@ -6,11 +6,17 @@
 #include <set>
 
 #include "lib/body/body_cost.h"
+#include "lib/session/session.h"
 #include "lib/state/state_cost.h"
 #include "raycast/march/march_cost.h"
+#include "tools/scene/file/scene.h"
+#include "tools/scene/plan/moved_bricks.h"
 #include "tools/scene/plan/plan_ledger.h"
 #include "tools/scene/plan/ray_work.h"
+#include "tools/scene/plan/unit_costs.h"
+#include "tools/scene/run/scene_files.h"
 #include "tools/scene/run/scene_run.h"
+#include "tools/scene/run/view_pictures.h"
 #include "volumes/base/text.h"
 #include "volumes/field/inversion/inversion_cost.h"
 #include "volumes/io/load/load_cost.h"

@@ -12,12 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "lib/session/session.h"
-#include "tools/scene/file/scene.h"
-#include "tools/scene/plan/moved_bricks.h"
-#include "tools/scene/plan/unit_costs.h"
+namespace supple {
+class Session;
+struct State;
+}  // namespace supple
 
 namespace supple::tools {
+
+class SceneRun;
+struct Scene;
+struct UnitCosts;
 
 /// One thing that is allocated or computed.
 struct PlanRow {
@@ -70,5 +74,13 @@ struct BodyBytes {
 BodyBytes body_bytes(std::int64_t bricks);
 
 ScenePlan plan_scene(const Scene& scene, const PlanSubject& subject, const UnitCosts& costs);
+
+/// The plan of a scene that a run has opened, with the costs of the user's calibration. Throws
+/// InputError where that is damaged.
+ScenePlan plan_of(const Scene& scene, const SceneRun& run);
+
+/// Seconds that the steps of a scene take in the session of its volume, which has taken none of
+/// them. Throws as plan_of().
+double planned_solve_s(const Scene& scene, const Session& session);
 
 }  // namespace supple::tools

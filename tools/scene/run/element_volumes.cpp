@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "lib/session/fem/motion_step.h"
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"
 #include "volumes/base/text.h"

@@ -5,8 +5,11 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/pictures/video.h"
+#include "tools/scene/run/drawn_view.h"
 #include "tools/scene/run/film_record.h"
+#include "tools/scene/run/frames.h"
 #include "tools/scene/run/scene_run.h"
 
 namespace supple::tools {

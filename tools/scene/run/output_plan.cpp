@@ -6,7 +6,7 @@
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/volume_writer.h"
 
 namespace supple::tools {

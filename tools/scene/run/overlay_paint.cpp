@@ -5,7 +5,7 @@
 
 #include "volumes/base/error.h"
 #include "volumes/grid/cell.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
 

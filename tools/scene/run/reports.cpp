@@ -1,5 +1,6 @@
 #include "tools/scene/run/reports.h"
 
+#include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
 #include "volumes/base/value.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tools/scene/run/drawn_view.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/text.h"
 

@@ -5,16 +5,20 @@
 #include <limits>
 #include <utility>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/state/state_outputs.h"
+#include "tools/scene/pictures/picture_writer.h"
+#include "tools/scene/run/drawn_view.h"
 #include "tools/scene/run/element_volumes.h"
 #include "tools/scene/run/film_record.h"
+#include "tools/scene/run/frames.h"
 #include "tools/scene/run/output_plan.h"
+#include "tools/scene/run/scene_files.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
 #include "volumes/grid/brick_topology.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::tools {
@@ -42,6 +46,15 @@ OffsetField read_offsets(const std::string& path, const Geometry& source, Progre
 }
 
 }  // namespace
+
+std::shared_ptr<const Scene> open_scene(const std::string& path) {
+  return std::make_shared<const Scene>(read_scene(path));
+}
+
+std::vector<std::string> planned_files(const Scene& scene, const std::string& folder,
+                                       bool may_overwrite) {
+  return check_scene(scene, folder, may_overwrite).files();
+}
 
 OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_overwrite) {
   const bool is_file = !scene.file.empty();
@@ -176,7 +189,7 @@ void SceneRun::run() {
     draw_views(int(n) + 1);
   }
   if (reads_inverse(m_scene)) seen(last_step());
-  m_pictures.commit();
+  m_pictures->commit();
   make_folders();
   write_outputs(last_step(), 0);
 }
@@ -204,7 +217,7 @@ void SceneRun::draw_views(int step) {
   for (const SceneView& view : m_scene.views) {
     if (view.after_step.value_or(last_step()) != step) continue;
     const Drawn drawn = drawn_after(step, view);
-    PictureWriter writer(m_pictures, path_of(view.image), view.picture);
+    PictureWriter writer(*m_pictures, path_of(view.image), view.picture);
     draw_view(drawn.subject, drawn.view, writer, &m_drawn, m_progress);
     m_own.reset();
   }

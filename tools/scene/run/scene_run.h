@@ -6,17 +6,28 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "lib/session/session.h"
-#include "tools/scene/file/scene.h"
-#include "tools/scene/pictures/picture_writer.h"
-#include "tools/scene/run/frames.h"
-#include "tools/scene/run/output_plan.h"
-#include "tools/scene/run/scene_files.h"
-#include "tools/scene/run/view_pictures.h"
+#include "lib/state/pose.h"
+#include "raycast/render.h"
 #include "volumes/base/progress.h"
 
 namespace supple::tools {
+
+class FilmView;
+class OutputPlan;
+class PendingFiles;
+struct Scene;
+struct SceneView;
+
+/// A scene file, for programs that run it as it is. Throws InputError: unknown key (line and
+/// suggestion), wrong type or value, missing key.
+std::shared_ptr<const Scene> open_scene(const std::string& path);
+
+/// The files of check_scene(), in the order in which they are made.
+std::vector<std::string> planned_files(const Scene& scene, const std::string& folder,
+                                       bool may_overwrite);
 
 /// The files that the scene would write, relative to `folder` (empty: as written), and all that can
 /// be known to fail before a volume is read. Missing folders are no error where the scene is a
@@ -71,8 +82,8 @@ class SceneRun {
  private:
   void open();
   void open_volume_alone();
-  int last_step() const { return int(m_scene.steps.size()); }
-  std::string path_of(const std::string& name) const { return path_in(m_folder, name); }
+  int last_step() const;
+  std::string path_of(const std::string& name) const;
   /// Solves step n at a frame's time.
   void solve(std::size_t n, double time = kWholePaths);
   void forget_pose();
@@ -86,11 +97,7 @@ class SceneRun {
   const Pose* posed_volume_for(SceneView& view);
   bool is_all_that_reads(const SceneView& view) const;
   Pose take_deformed();
-  /// A view as it is drawn after a step, with its subject.
-  struct Drawn {
-    SceneView view;
-    PosedVolume subject;
-  };
+  struct Drawn;
   Drawn drawn_after(int step, const SceneView& view);
   void draw_views(int step);
   void make_folders() const;
@@ -120,7 +127,7 @@ class SceneRun {
   std::optional<Pose> m_own;             // as the path of one view does
   int m_posed_steps = 0;                 // of the session, that a frame of a film has taken
   std::map<int, Displacement> m_beside;  // of frames, for the motion of those beside them
-  PendingFiles m_pictures;
+  std::unique_ptr<PendingFiles> m_pictures;
   RenderReport m_drawn;
 };
 

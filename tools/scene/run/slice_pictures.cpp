@@ -13,7 +13,7 @@
 #include "volumes/base/text.h"
 #include "volumes/grid/b_spline.h"
 #include "volumes/grid/cell.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 #include "volumes/io/bytes/value_type.h"
 
 namespace supple::tools {

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "raycast/scene/view_volume.h"
 #include "tools/scene/file/slice_view.h"
 #include "tools/scene/pictures/decoration.h"

@@ -10,7 +10,7 @@
 #include "tools/scene/run/overlay_paint.h"
 #include "tools/scene/run/space_marks.h"
 #include "volumes/base/error.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
 

@@ -10,9 +10,9 @@
 #include "tools/scene/run/space_marks.h"
 #include "tools/scene/run/vtk_picture.h"
 #include "volumes/base/error.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/inversion/forward_offsets.h"
-#include "volumes/grid/volume.h"
+#include "volumes/field/offset_field.h"
+#include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
 

@@ -3,7 +3,7 @@
 // screen that it needs in xvfb.
 #pragma once
 
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/progress.h"
 

@@ -21,7 +21,7 @@
 
 #include "volumes/field/brick_lists.h"
 #include "volumes/field/cuts/cut_planes.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/grid/link_cuts.h"
 #include "volumes/grid/voxel_sets.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "volumes/field/cuts/cut_piece.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

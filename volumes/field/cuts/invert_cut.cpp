@@ -5,8 +5,8 @@
 
 #include "volumes/field/cuts/cut_extension.h"
 #include "volumes/field/cuts/cut_inversion.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/inversion/source_cells.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "volumes/field/brick_lists.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

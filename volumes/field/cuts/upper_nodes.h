@@ -4,7 +4,7 @@
 #include <array>
 #include <bitset>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

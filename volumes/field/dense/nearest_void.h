@@ -8,7 +8,7 @@
 // Cost: about 30 ns and 4 bytes per voxel of the window (one core).
 #pragma once
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

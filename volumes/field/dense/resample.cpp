@@ -11,7 +11,7 @@
 #include "volumes/field/dense/vector_slabs.h"
 #include "volumes/field/ring_fill.h"
 #include "volumes/field/split_offsets.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 #include "volumes/grid/voxel_sets.h"
 
 namespace supple {

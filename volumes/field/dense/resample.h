@@ -11,19 +11,11 @@
 #include <optional>
 
 #include "volumes/base/progress.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple {
-
-/// Contents of a dense export where there is no material (design.md section 2 "The air").
-enum class VoidMode {
-  nearest,  // stays void: o = 0; vacated: the nearest void voxel of the source
-  outside,  // void everywhere reads from outside the source box
-  extend    // the offsets of the material carry on smoothly, without folds, constant far away
-};
 
 /// Writes the vectors of slice k, dims.x * dims.y of them, i fastest, in mm, LPS.
 using VectorSliceSource = std::function<void(int k, Vec3f* out)>;

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

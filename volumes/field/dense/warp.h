@@ -12,8 +12,6 @@
 
 namespace supple {
 
-enum class WarpDirection { resample, material };
-
 /// Vectors in mm along the axes of LPS on a grid of its own.
 struct Warp {
   std::string path;  // for messages

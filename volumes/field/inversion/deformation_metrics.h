@@ -19,7 +19,7 @@
 #include <map>
 #include <optional>
 
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_values.h"
 #include "volumes/grid/link_cuts.h"

@@ -5,6 +5,8 @@
 #include <numeric>
 
 #include "volumes/base/parallel.h"
+#include "volumes/field/brick_nodes.h"
+#include "volumes/field/inversion/displacement_range.h"
 #include "volumes/field/inversion/reachable_bricks.h"
 #include "volumes/grid/cell.h"
 
@@ -58,11 +60,15 @@ struct InverseGradient {
 
 }  // namespace
 
+struct ForwardOffsets::Corners {
+  Float4 of[8];
+};
+
 ForwardOffsets::ForwardOffsets(const Displacement& displacement, const BrickTopology* elements)
     : m_u(displacement.u),
       m_dims(displacement.geometry.dims()),
       m_elements(elements),
-      m_ranges(m_dims),
+      m_ranges(std::make_unique<DisplacementRanges>(m_dims)),
       m_reach(m_u.topology.brick_count()),
       m_still(m_u.topology.brick_count()) {
   for (std::size_t b = 0; m_elements != nullptr && b < m_still.size(); ++b) {
@@ -73,18 +79,20 @@ ForwardOffsets::ForwardOffsets(const Displacement& displacement, const BrickTopo
   update(all);
 }
 
+ForwardOffsets::~ForwardOffsets() = default;
+
 void ForwardOffsets::update(const std::vector<std::int32_t>& changed) {
   find_ranges(changed);
   find_reached();
 }
 
 void ForwardOffsets::find_ranges(const std::vector<std::int32_t>& changed) {
-  m_ranges.update(m_u, changed);
+  m_ranges->update(m_u, changed);
   const std::vector<std::int32_t> touched = with_lower_neighbours(m_u.topology, changed);
   parallel_for(touched.size(), [&](std::size_t n) {
     const std::size_t b = std::size_t(touched[n]);
-    m_reach[b] = m_ranges.reach(m_u.topology, b);
-    m_still[b] = m_ranges.is_still(m_u.topology, b);
+    m_reach[b] = m_ranges->reach(m_u.topology, b);
+    m_still[b] = m_ranges->is_still(m_u.topology, b);
   });
 }
 
@@ -179,7 +187,7 @@ void ForwardOffsets::plant_seeds(std::size_t b, const BrickIndex& index,
 }
 
 /// The displacements around the cell of a voxel in brick b, x slowest; false where one is missing.
-bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corners)[8]) const {
+bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Corners& corners) const {
   const BrickTopology& topology = m_u.topology;
   const auto read = [&](std::size_t brick, int offset) {
     const Vec3f& u = m_u.vectors.brick_or_zero(brick)[offset];
@@ -193,7 +201,7 @@ bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corn
     if ((layers >> shift & kSquare) != kSquare) return false;
     const int low = brick_offset(local);
     for (int n = 0; n < 8; ++n) {
-      corners[n] = read(b, low + (n >> 2 & 1) * 64 + (n >> 1 & 1) * 8 + (n & 1));
+      corners.of[n] = read(b, low + (n >> 2 & 1) * 64 + (n >> 1 & 1) * 8 + (n & 1));
     }
     return true;
   }
@@ -204,7 +212,7 @@ bool ForwardOffsets::corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corn
     const std::int32_t brick = is_here ? std::int32_t(b) : topology.find(corner);
     const int offset = brick_offset(corner);
     if (brick < 0 || !mask_test(topology.mask(std::size_t(brick)), offset)) return false;
-    corners[n] = read(std::size_t(brick), offset);
+    corners.of[n] = read(std::size_t(brick), offset);
   }
   return true;
 }
@@ -228,14 +236,14 @@ bool ForwardOffsets::place_at(const Vec3d& y, std::int32_t& brick, Place& place)
     place.u = place.along[0] = place.along[1] = place.along[2] = Vec3d(0);
     return true;
   }
-  Float4 corners[8];
+  Corners corners;
   if (!corners_at(std::size_t(b), voxel, corners)) return false;
   set_derivatives(corners, Vec3f(y - Vec3d(voxel)), place);
   return true;
 }
 
-void ForwardOffsets::set_derivatives(const Float4 (&corners)[8], const Vec3f& f, Place& place) {
-  const NodeDerivatives d = derivatives_of(corners, f.x, f.y, f.z);
+void ForwardOffsets::set_derivatives(const Corners& corners, const Vec3f& f, Place& place) {
+  const NodeDerivatives d = derivatives_of(corners.of, f.x, f.y, f.z);
   place.u = to_vector(d.value);
   place.along[0] = to_vector(d.along_x);
   place.along[1] = to_vector(d.along_y);
@@ -315,7 +323,7 @@ Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& /*x*/, const Vec3d& y,
                                 const Vec3d& gradient) const {
   const std::size_t b = std::size_t(piece / kBrickVoxels);
   const Vec3i low = m_u.topology.origin(b) + brick_local(piece % kBrickVoxels);
-  Float4 corners[8];
+  Corners corners;
   if (m_still[b] || !corners_at(b, low, corners)) return gradient;
   Place place;
   set_derivatives(corners, Vec3f(y - Vec3d(low)), place);
@@ -324,7 +332,7 @@ Vec3d ForwardOffsets::pull_back(int piece, const Vec3d& /*x*/, const Vec3d& y,
 }
 
 std::size_t ForwardOffsets::bytes() const {
-  return bricks().bytes() + m_reached.capacity() * sizeof(Reached) + m_ranges.bytes() +
+  return bricks().bytes() + m_reached.capacity() * sizeof(Reached) + m_ranges->bytes() +
          m_reach.capacity() * (sizeof(IndexBox) + 1) +
          m_tissue_of.capacity() * sizeof(std::int32_t);
 }

@@ -12,13 +12,13 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 
-#include "volumes/field/brick_nodes.h"
-#include "volumes/field/displacement.h"
-#include "volumes/field/inversion/displacement_range.h"
-#include "volumes/field/pointwise_offsets.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
+
+class DisplacementRanges;
 
 class ForwardOffsets final : public PointwiseOffsets {
  public:
@@ -27,6 +27,8 @@ class ForwardOffsets final : public PointwiseOffsets {
   /// Throws InputError for values that are not finite or beyond 10^6 voxels.
   explicit ForwardOffsets(const Displacement& displacement,
                           const BrickTopology* elements = nullptr);
+
+  ~ForwardOffsets() override;
 
   /// The displacement, on the same voxels as before, has changed in these bricks of its topology.
   /// Nobody may sample from before it changed until then. Throws as the constructor.
@@ -50,6 +52,7 @@ class ForwardOffsets final : public PointwiseOffsets {
     std::array<Vec3f, kSeeds> seed;        // offsets; not a number: none is known
     std::array<bool, kSeeds> is_tissue{};  // that they come from
   };
+  struct Corners;  // of a cell
   /// Displacement and derivatives at a place.
   struct Place {
     int piece;
@@ -63,16 +66,16 @@ class ForwardOffsets final : public PointwiseOffsets {
   bool is_tissue(const Vec3d& y, int piece) const;
   int seed_node(std::size_t b, const Vec3i& low) const;
   void plant_seeds(std::size_t b, const BrickIndex& index, std::vector<Reached>& reached) const;
-  static void set_derivatives(const Float4 (&corners)[8], const Vec3f& f, Place& place);
+  static void set_derivatives(const Corners& corners, const Vec3f& f, Place& place);
   bool place_at(const Vec3d& y, std::int32_t& brick, Place& place) const;
-  bool corners_at(std::size_t b, const Vec3i& voxel, Float4 (&corners)[8]) const;
+  bool corners_at(std::size_t b, const Vec3i& voxel, Corners& corners) const;
   bool is_beyond_border(const Vec3d& y) const;
   bool solve(const Vec3d& x, const Vec3d& offset, Sample& found) const;
 
   const VectorBricks& m_u;
   const Vec3i m_dims;
   const BrickTopology* m_elements;
-  DisplacementRanges m_ranges;
+  std::unique_ptr<DisplacementRanges> m_ranges;
   std::vector<IndexBox> m_reach;          // nodes that their cells reach
   std::vector<std::uint8_t> m_still;      // no corner of their cells moves
   std::vector<std::int32_t> m_tissue_of;  // the same bricks among the elements, or -1

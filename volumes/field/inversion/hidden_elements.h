@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 
-#include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
 
 namespace supple {

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "volumes/base/progress.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
-#include "volumes/field/vector_bricks.h"
 
 namespace supple {
 

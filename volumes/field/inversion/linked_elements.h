@@ -4,7 +4,7 @@
 #pragma once
 
 #include "volumes/field/columns.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/grid/link_cuts.h"
 
 namespace supple {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "volumes/field/inversion/cell_corners.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

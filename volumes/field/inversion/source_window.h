@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

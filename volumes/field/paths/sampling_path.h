@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "volumes/base/progress.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 

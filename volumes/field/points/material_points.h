@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple {
 

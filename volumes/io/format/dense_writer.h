@@ -10,7 +10,7 @@
 
 #include "volumes/base/fields.h"
 #include "volumes/base/progress.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/io/format/volume_file.h"
 
@@ -27,24 +27,6 @@ struct DenseImage {
   std::string certificate;  // of an inversion, one line of JSON; empty: none
   LabelNames label_names;   // of a segmentation; NRRD keeps them as 3D Slicer does
 };
-
-/// Choices that a format may offer.
-struct WriteOptions {
-  bool compress = false;     // NRRD gzip, MetaImage zlib, TIFF deflate, HDF5 deflate
-  bool ras_vectors = false;  // NIfTI: intent 1006 with vectors in RAS instead of 1007 in LPS
-  /// OpenVDB, a fog for renderers: these densities become 0 and 1, what is beyond is clamped, the
-  /// background is 0, and a left-handed grid is stored from its other end.
-  std::optional<NumberPair> range = {};
-  double scale = 1;   // OpenVDB: units of the scene per mm
-  bool half = false;  // OpenVDB: floats of 16 bits
-  /// OpenVDB: mm/s of the voxels of a slice, for a grid "v" beside the density, where that is not
-  /// 0.
-  std::function<void(int k, Vec3f* out)> velocity = {};
-};
-/// Fields for how values are stored.
-Fields fields(WriteOptions& options);
-/// Fields for how vectors are stored.
-Fields vector_fields(WriteOptions& options);
 
 class DenseWriter {
  public:

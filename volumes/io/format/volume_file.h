@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "volumes/base/fields.h"
+#include "volumes/base/progress.h"
 #include "volumes/base/text.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/io/bytes/value_type.h"
@@ -26,6 +29,24 @@ struct ReadOptions {
   /// The grid on which a transform that names none is evaluated.
   const Geometry* grid = nullptr;
 };
+
+/// Choices that a format may offer to a writer (dense_writer.h).
+struct WriteOptions {
+  bool compress = false;     // NRRD gzip, MetaImage zlib, TIFF deflate, HDF5 deflate
+  bool ras_vectors = false;  // NIfTI: intent 1006 with vectors in RAS instead of 1007 in LPS
+  /// OpenVDB, a fog for renderers: these densities become 0 and 1, what is beyond is clamped, the
+  /// background is 0, and a left-handed grid is stored from its other end.
+  std::optional<NumberPair> range = {};
+  double scale = 1;   // OpenVDB: units of the scene per mm
+  bool half = false;  // OpenVDB: floats of 16 bits
+  /// OpenVDB: mm/s of the voxels of a slice, for a grid "v" beside the density, where that is not
+  /// 0.
+  std::function<void(int k, Vec3f* out)> velocity = {};
+};
+/// Fields for how values are stored.
+Fields fields(WriteOptions& options);
+/// Fields for how vectors are stored.
+Fields vector_fields(WriteOptions& options);
 
 /// Throws InputError when a choice is made: `path` is a state, which says everything itself.
 void require_unused(const ReadOptions& options, const std::string& path);
@@ -76,5 +97,22 @@ class VolumeFile {
  protected:
   VolumeHeader m_header;
 };
+
+/// Chooses the format by the file's content first and its extension second. Throws InputError:
+/// missing, empty, unknown format, bad header, wrong length, an option that does not fit the file,
+/// several frames or channels of which none was chosen, vectors instead of scalars (read_warp of
+/// warp_file.h takes those). `progress` receives the warnings about a file that can be read.
+std::unique_ptr<VolumeFile> open_volume(const std::string& path, const ReadOptions& options = {},
+                                        Progress* progress = nullptr);
+
+/// Options for reading a volume that a user names.
+Fields fields(ReadOptions& options);
+
+/// Opens the files of open_volume(), and files of vectors when no channel is chosen.
+std::unique_ptr<VolumeFile> open_scalars_or_vectors(const std::string& path,
+                                                    const ReadOptions& options = {});
+
+/// Every file that the volume is read from.
+std::vector<std::string> files_of(const VolumeHeader& header);
 
 }  // namespace supple

@@ -8,8 +8,8 @@
 #include "volumes/base/text.h"
 #include "volumes/grid/cell.h"
 #include "volumes/io/bytes/input_file.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/slab_reader.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple {
 

@@ -9,9 +9,9 @@
 
 #include "volumes/base/error.h"
 #include "volumes/base/parallel.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/brick_store.h"
 #include "volumes/io/load/slab_reader.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "volumes/base/progress.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 #include "volumes/io/format/volume_file.h"
 
 namespace supple {

@@ -9,7 +9,7 @@
 
 #include "volumes/base/progress.h"
 #include "volumes/base/sha256.h"
-#include "volumes/grid/volume.h"
+#include "volumes/grid/density_grid.h"
 #include "volumes/io/load/slice_values.h"
 
 namespace supple {

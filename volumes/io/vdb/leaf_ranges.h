@@ -7,7 +7,7 @@
 #include <streambuf>
 #include <vector>
 
-#include "volumes/grid/vdb_grid.h"
+#include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/bytes/input_file.h"
 
 namespace supple {

@@ -15,7 +15,7 @@
 #include "volumes/base/progress.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_topology.h"
-#include "volumes/grid/vdb_grid.h"
+#include "volumes/grid/density_grid_vdb.h"
 
 namespace supple {
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/rigid_links.h"
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/model/fem_model.h"
 #include "lib/session/fem/fem_solid.h"
 #include "tests/lib/fem_fixtures.h"

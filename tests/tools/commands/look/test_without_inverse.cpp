@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "raycast/pictures/compare.h"
-#include "raycast/pictures/float_image.h"
+#include "raycast/pictures/image.h"
 #include "tests/tools/golden.h"
 
 using namespace supple;

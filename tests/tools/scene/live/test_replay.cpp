@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
-#include "lib/material/material_file.h"
+#include "lib/body/slot_set.h"
+#include "lib/material/material.h"
 #include "lib/state/state.h"
 #include "raycast/pictures/image.h"
 #include "tests/support/sanitized.h"

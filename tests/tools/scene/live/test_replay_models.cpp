@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/body.h"
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/state/state.h"
 #include "tests/tools/scene/live/replay_fixture.h"
 

@@ -7,7 +7,7 @@
 #include "volumes/field/cuts/cut_inversion.h"
 #include "volumes/field/cuts/cut_offsets.h"
 #include "volumes/field/dense/resample.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/grid/density_grid.h"
 
 using namespace supple;

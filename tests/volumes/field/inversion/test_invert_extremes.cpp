@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/field_fixtures.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/inversion/invert.h"
+#include "volumes/field/offset_field.h"
 
 using namespace supple;
 using namespace supple::test;

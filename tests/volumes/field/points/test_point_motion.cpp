@@ -3,7 +3,7 @@
 
 #include "tests/support/random_state.h"
 #include "tests/volumes/field/offset_fixtures.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/points/point_motion.h"
 
 using namespace supple;

@@ -4,7 +4,7 @@
 #include "tests/support/random_state.h"
 #include "tests/support/sanitized.h"
 #include "tests/volumes/field/offset_fixtures.h"
-#include "volumes/field/displacement.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/points/point_motion.h"
 #include "volumes/grid/cell.h"
 

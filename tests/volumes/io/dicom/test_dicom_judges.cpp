@@ -11,7 +11,7 @@
 
 #include "tests/support/dicom_fixtures.h"
 #include "tests/support/program.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "tests/support/dicom_fixtures.h"
 #include "tests/support/dicom_jpeg2000.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

@@ -10,7 +10,7 @@
 #include "volumes/base/error.h"
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/filter/on_grid.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/point_file.h"
 #include "volumes/io/volume_writer.h"
 

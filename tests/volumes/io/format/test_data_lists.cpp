@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 
 #include "tests/support/io_fixtures.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

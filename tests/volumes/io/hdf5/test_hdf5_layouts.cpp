@@ -5,7 +5,7 @@
 
 #include "tests/support/io_fixtures.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/support/sanitized.h"
 #include "tests/volumes/io/hdf5_fixtures.h"
 #include "volumes/io/format/formats.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "tests/support/errors.h"
 #include "tests/support/io_fixtures.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/label_file.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

@@ -10,8 +10,8 @@
 #include "tests/volumes/io/dense_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/sha256.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

@@ -3,8 +3,8 @@
 
 #include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/stored_labels.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::test {
 namespace {

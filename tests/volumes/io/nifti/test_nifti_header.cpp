@@ -4,7 +4,7 @@
 #include <random>
 
 #include "tests/volumes/io/nifti_fixtures.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::test {

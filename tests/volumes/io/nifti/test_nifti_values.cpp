@@ -1,7 +1,7 @@
 // NIfTI beyond a single scalar volume: time series, vectors, colours.
 
 #include "tests/volumes/io/nifti_fixtures.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::test {

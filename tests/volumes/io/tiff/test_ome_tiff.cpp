@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/volumes/io/tiff_fixtures.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

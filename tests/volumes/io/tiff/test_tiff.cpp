@@ -3,7 +3,7 @@
 
 #include "tests/volumes/io/tiff_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 
 namespace supple::test {
 namespace {

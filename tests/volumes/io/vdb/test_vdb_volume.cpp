@@ -11,9 +11,9 @@
 
 #include "tests/support/io_fixtures.h"
 #include "volumes/base/error.h"
-#include "volumes/grid/vdb_grid.h"
+#include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/format/dense_writer.h"
-#include "volumes/io/open_volume.h"
+#include "volumes/io/format/volume_file.h"
 #include "volumes/io/vdb/vdb_seal.h"
 #include "volumes/io/warp_file.h"
 

@@ -1,5 +1,6 @@
 #include "tools/lab/bench/bodies/dragged_head.h"
 
+#include "lib/chainmail/ecm.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 
 namespace supple::tools {

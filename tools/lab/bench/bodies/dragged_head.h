@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "lib/body/body.h"
-#include "lib/state/live_displacement.h"
+#include "lib/state/pose.h"
 #include "tools/lab/bench/bodies/ecm_engines.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"
 #include "volumes/field/inversion/invert.h"

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <functional>
 
-#include "lib/body/lattice.h"
-#include "lib/material/material_file.h"
+#include "lib/body/slot_set.h"
+#include "lib/material/material.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
 #include "tools/scene/plan/calibrate.h"
@@ -14,7 +14,6 @@
 #include "volumes/grid/density_grid.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/open_volume.h"
 
 namespace supple::tools {
 

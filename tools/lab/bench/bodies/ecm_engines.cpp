@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/ecm.h"
 #include "lib/chainmail/reference/thesis_ecm.h"
 #include "volumes/base/parallel.h"

@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include "volumes/field/displacement.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple::tools {
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/ball_limits.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"
 #include "tools/lab/bench/ecm/ecm_cases.h"

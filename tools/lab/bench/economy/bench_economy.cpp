@@ -4,7 +4,7 @@
 #include <optional>
 #include <thread>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/session/session.h"
 #include "lib/state/state_outputs.h"
 #include "raycast/render.h"

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "lib/material/material_file.h"
+#include "lib/material/material.h"
 #include "lib/model/fem_model.h"
 #include "lib/model/relax_model.h"
 #include "tools/console/command.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 
 namespace supple::tools {

@@ -7,7 +7,7 @@
 #include <optional>
 #include <random>
 
-#include "lib/body/lattice.h"
+#include "lib/body/slot_set.h"
 #include "lib/chainmail/tighten.h"
 #include "lib/model/relax_model.h"
 #include "tools/lab/bench/bodies/ecm_motion.h"

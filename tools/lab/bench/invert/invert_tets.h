@@ -2,7 +2,7 @@
 // (Kuhn's split), rasterised. Exact for that field, folds included; the smallest |o| wins.
 #pragma once
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple::tools {
 

@@ -5,8 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "volumes/field/displacement.h"
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 
 namespace supple::tools {
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "lib/session/handles/handles.h"
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "volumes/base/parallel.h"
 #include "volumes/io/volume_writer.h"

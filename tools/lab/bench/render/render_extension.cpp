@@ -7,8 +7,8 @@
 #include "tools/lab/bench/bodies/block_topology.h"
 #include "tools/lab/bench/bodies/half_sampled_head.h"
 #include "volumes/base/parallel.h"
-#include "volumes/field/displacement.h"
 #include "volumes/field/inversion/invert.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/procedural.h"
 
 namespace supple::tools {

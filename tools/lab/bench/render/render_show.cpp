@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "lib/state/live_displacement.h"
+#include "lib/state/pose.h"
 #include "lib/state/state.h"
 #include "raycast/progressive.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"

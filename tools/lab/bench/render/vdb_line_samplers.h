@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "volumes/field/vector_bricks.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple {

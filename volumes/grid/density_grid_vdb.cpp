@@ -1,4 +1,4 @@
-#include "volumes/grid/vdb_grid.h"
+#include "volumes/grid/density_grid_vdb.h"
 
 namespace supple {
 
