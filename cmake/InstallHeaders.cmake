@@ -1,6 +1,6 @@
 # Copies the public headers (PublicHeaders.txt) from `source` and `generated` to `target`.
 # `tools/scene` becomes `scene`, and `tools/library/supple.h` stands above all.
-file(STRINGS "${source}/cmake/PublicHeaders.txt" headers REGEX "^[^#]")
+file(STRINGS "${source}/cmake/PublicHeaders.txt" headers ENCODING UTF-8 REGEX "^[^#]")
 foreach(header IN LISTS headers)
   set(from "${source}/${header}")
   if(NOT EXISTS "${from}")

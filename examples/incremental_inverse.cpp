@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include <supple/lib/state/live_displacement.h>
 #include <supple/supple.h>
 #include <supple/volumes/field/inversion/invert.h>
 
