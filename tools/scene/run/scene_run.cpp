@@ -181,6 +181,14 @@ void SceneRun::check_steps() const {
   for (const Step& step : m_scene.steps) m_session->check(step);
 }
 
+int SceneRun::last_step() const {
+  return int(m_scene.steps.size());
+}
+
+std::string SceneRun::path_of(const std::string& name) const {
+  return path_in(m_folder, name);
+}
+
 void SceneRun::run() {
   if (m_scene.film) return run_film();
   draw_views(0);
