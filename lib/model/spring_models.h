@@ -56,6 +56,7 @@ class MeshSpringModel final : public Model<MeshHandle> {
   void store() override { give_state(m_system, m_held.body); }
 
   const SpringMotion& motion() const { return m_motion; }
+  const SpringSystem& system() const { return m_system; }
 
  private:
   HeldMesh m_held;

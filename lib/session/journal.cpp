@@ -2,6 +2,7 @@
 
 #include "lib/material/material.h"
 #include "lib/session/cut_surface.h"
+#include "lib/session/mesh_step.h"
 #include "lib/session/retraction.h"
 #include "lib/session/rigid_request.h"
 #include "lib/session/spring_step.h"
@@ -80,6 +81,7 @@ Value recorded(Params params) {
 }
 
 Value to_value(const StepRecord& record) {
+  if (record.mesh) return to_value(*record.mesh, record);
   Value step;
   for (const Drag& drag : record.drags) step["handles"].push_back(to_value(drag));
   add_anchors(record.fix, step);

@@ -7,9 +7,11 @@
 #include "lib/material/material.h"
 #include "lib/material/tissue.h"
 #include "lib/session/body_changes.h"
+#include "lib/session/deformable_mesh.h"
 #include "lib/session/handles/handle_places.h"
 #include "lib/session/handles/handles.h"
 #include "lib/session/journal.h"
+#include "lib/session/mesh_step.h"
 #include "lib/session/step_run.h"
 #include "lib/session/undo_history.h"
 #include "lib/state/state_outputs.h"
@@ -189,6 +191,7 @@ void require_points(const Step& step, const Body& body) {
 
 struct Session::Parts {
   SessionBody in;
+  std::vector<DeformableMesh> meshes = {};
   std::optional<UndoHistory> history = {};  // where SessionOptions::keeps_undo
   std::vector<StepRecord> records = {};
   std::vector<std::string> messages = {};
@@ -215,6 +218,36 @@ struct Session::Parts {
     return records.back();
   }
 
+  /// Throws InputError where there is none of that name.
+  DeformableMesh& mesh(const std::string& name) {
+    std::vector<std::string> names;
+    for (DeformableMesh& mesh : meshes) {
+      if (mesh.name() == name) return mesh;
+      names.push_back(mesh.name());
+    }
+    const std::string nearest = nearest_name(name, names);
+    throw InputError({"", "body", "\"" + name + "\"",
+                      names.empty()     ? "a step of the voxels: there is no mesh body"
+                      : nearest.empty() ? "a mesh body: " + listed(names)
+                                        : "a mesh body; did you mean \"" + nearest + "\"?"});
+  }
+
+  const StepRecord& take_of_mesh(const Step& step, double time, Progress* heard) {
+    Listener listener(messages, heard);
+    DeformableMesh& moved = mesh(step.body);
+    MeshRecord result{mesh_move(step, moved, in.state.geometry, time), {}};
+    DeformableMesh::Shape before = moved.kept();
+    result.report = moved.move(result.move, &listener);
+    StepRecord record;
+    static_cast<Step&>(record) = step;
+    record.mesh = std::make_shared<const MeshRecord>(std::move(result));
+    // Nodes of finite elements wait for the next step of the voxels.
+    if (!records.empty()) std::swap(record.equilibrium.nodes, records.back().equilibrium.nodes);
+    if (history) history->keep(moved.name(), std::move(before));
+    records.push_back(std::move(record));
+    return records.back();
+  }
+
   /// The last step, where one is that the session can still show otherwise.
   StepRecord* last_shown() { return history || records.empty() ? nullptr : &records.back(); }
 };
@@ -224,6 +257,21 @@ Session::Session(const std::string& path, const SessionOptions& options, Progres
   Listener listener(m_parts->messages, progress);
   open(m_parts->in, path, options, &listener);
   if (options.keeps_undo) m_parts->history.emplace(m_parts->in);
+  for (const Value& record : m_parts->in.state.meshes) m_parts->meshes.emplace_back(record, path);
+  m_parts->in.state.meshes.clear();
+}
+
+void Session::add(const MeshSetup& setup) {
+  for (const DeformableMesh& mesh : m_parts->meshes) {
+    if (mesh.name() != setup.name) continue;
+    throw InputError(
+        {setup.place, "name", "\"" + setup.name + "\", as another mesh body", "a name of its own"});
+  }
+  m_parts->meshes.emplace_back(setup);
+}
+
+const std::vector<DeformableMesh>& Session::meshes() const {
+  return m_parts->meshes;
 }
 
 Session::~Session() = default;
@@ -255,6 +303,10 @@ bool Session::has_shifted_pieces() const {
 
 void Session::check(const Step& step) const {
   placed_at(step, [&] {
+    if (!step.body.empty()) {
+      mesh_move(step, m_parts->mesh(step.body), geometry(), kWholePaths);
+      return;
+    }
     require_points(step, body());
     m_parts->in.check_elements(on_grid(step, geometry()));
   });
@@ -263,6 +315,7 @@ void Session::check(const Step& step) const {
 std::vector<HandlePlace> Session::places(const Step& step) const {
   const SessionBody& in = m_parts->in;
   std::vector<HandlePlace> places;
+  if (!step.body.empty()) return places;
   for (const Drag& drag : on_grid(step, geometry()).drags) {
     places.push_back(place_of(in.region_of(drag), in.body, in.state));
   }
@@ -271,6 +324,7 @@ std::vector<HandlePlace> Session::places(const Step& step) const {
 
 const StepRecord& Session::step(const Step& step, Progress* progress, double time) {
   return placed_at(step, [&]() -> const StepRecord& {
+    if (!step.body.empty()) return m_parts->take_of_mesh(step, time, progress);
     require_points(step, body());
     return m_parts->take(on_grid(step, geometry(), time), progress);
   });
@@ -310,8 +364,9 @@ bool Session::undo() {
   if (!m_parts->history)
     throw std::logic_error("undo() of a session without SessionOptions::keeps_undo");
   if (m_parts->history->steps() == 0) return false;
-  FemNodes handed_over = m_parts->history->take_back();
+  FemNodes handed_over = m_parts->history->take_back(m_parts->meshes);
   std::vector<StepRecord>& records = m_parts->records;
+  if (records.back().mesh) handed_over = std::move(records.back().equilibrium.nodes);
   records.pop_back();
   if (!records.empty()) records.back().equilibrium.nodes = std::move(handed_over);
   m_parts->pose.reset();
@@ -347,6 +402,7 @@ std::string Session::journal() const {
 
 State Session::state() const {
   State state = state_of(m_parts->in);
+  for (const DeformableMesh& mesh : m_parts->meshes) state.meshes.push_back(mesh.record());
   state.configuration = journal();
   return state;
 }

@@ -1,6 +1,6 @@
-// One body from file to deformed state, without a window: load, drag, anchor, cut, relax, undo, and
-// results as values. A session prints nothing and keeps a journal; warnings go to `progress` and
-// stay among the messages.
+// Bodies of a scene, one of voxels and any number of meshes, from file to deformed state, without a
+// window: load, drag, anchor, cut, relax, undo, and results as values. A session prints nothing and
+// keeps a journal; warnings go to `progress` and stay among the messages.
 #pragma once
 
 #include <memory>
@@ -15,6 +15,9 @@
 #include "volumes/io/format/volume_file.h"
 
 namespace supple {
+
+class DeformableMesh;
+struct MeshSetup;
 
 struct SessionOptions {
   /// Material; null: that of a state; for a volume one homogeneous tissue, with a warning.
@@ -42,6 +45,12 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  /// Puts a mesh body beside the voxels (deformable_mesh.h), which steps name. Throws InputError as
+  /// DeformableMesh, and for a name that another one has.
+  void add(const MeshSetup& setup);
+  /// The mesh bodies, those of a continued state first.
+  const std::vector<DeformableMesh>& meshes() const;
+
   const Geometry& geometry() const;
   const Body& body() const;
   const MaterialTable& material() const;
@@ -54,8 +63,8 @@ class Session {
   const LinkCheck& links() const;
 
   /// Cuts, then solves one step, then relaxes (Step::relax), then tightens; or lets springs
-  /// move the body. Cuts
-  /// are made in the body at rest and stay. Handles stay held and anchors fixed until a step
+  /// move the body. Cuts are made in the body at rest and stay. A step that names a mesh body moves
+  /// that one alone. Handles stay held and anchors fixed until a step
   /// releases them. Throws InputError as the solvers do, Cancelled; with keeps_undo everything is
   /// then as it was before the step.
   /// Errors name the step's place where they name no file. `time`: as on_grid() has it.

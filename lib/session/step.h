@@ -112,6 +112,7 @@ struct HandleReaction {
 /// pose on. Cuts, removals, new pieces, anchors and retractions come with the first.
 struct Step {
   std::string place = {};  // "file:line", for errors; empty: a program's
+  std::string body = {};   // the mesh body that it moves; empty: the voxels
   Value keys = {};         // of a [[step]] that says all this, as written; null: a program's
   std::vector<Drag> drags = {};
   std::vector<ChosenPart> fix = {};  // anchors
@@ -168,6 +169,7 @@ struct BoneMeeting {
   bool is_kept = false;       // where it meets the other one
 };
 
+struct MeshRecord;
 struct StepRecord;
 /// Distance that a shift of the step has gone, in mm along the grid axes.
 Vec3d way_done(const StepRecord& record, const Vec3d& by_mm);
@@ -176,19 +178,20 @@ Vec3d way_done(const StepRecord& record, const Vec3d& by_mm);
 /// poses: its fraction is the smallest, its moved elements are the most. All other members are
 /// those of the last pose.
 struct StepRecord : Step {
-  std::int64_t cut_links = 0;             // that cuts and joints removed
-  std::int64_t removed = 0;               // elements
-  EcmReport report;                       // of ball limits: the common members
-  std::optional<BallReport> ball;         // when the step was solved under ball limits
-  std::optional<Vec3d> slid;              // parts of the way along the axes, of drags that slide
-  std::optional<BoneStop> bones;          // where pieces met
-  std::vector<BoneMeeting> meetings;      // of free pieces under finite elements
-  SidesReport contact;                    // of the sides of cuts, after drag and relaxation
-  RelaxReport relaxed;                    // when the step relaxes
-  SpringRecord sprung;                    // when springs move it
-  FemRecord equilibrium;                  // when finite elements do
-  Value own_report;                       // when a model that was added does
-  std::vector<HandleReaction> reactions;  // of all handles that are held, at its end
+  std::shared_ptr<const MeshRecord> mesh;  // of a mesh body; all else is empty then
+  std::int64_t cut_links = 0;              // that cuts and joints removed
+  std::int64_t removed = 0;                // elements
+  EcmReport report;                        // of ball limits: the common members
+  std::optional<BallReport> ball;          // when the step was solved under ball limits
+  std::optional<Vec3d> slid;               // parts of the way along the axes, of drags that slide
+  std::optional<BoneStop> bones;           // where pieces met
+  std::vector<BoneMeeting> meetings;       // of free pieces under finite elements
+  SidesReport contact;                     // of the sides of cuts, after drag and relaxation
+  RelaxReport relaxed;                     // when the step relaxes
+  SpringRecord sprung;                     // when springs move it
+  FemRecord equilibrium;                   // when finite elements do
+  Value own_report;                        // when a model that was added does
+  std::vector<HandleReaction> reactions;   // of all handles that are held, at its end
   std::optional<TightenReport> tightened;
 };
 

@@ -1,5 +1,7 @@
 #include "lib/session/undo_history.h"
 
+#include <algorithm>
+
 namespace supple {
 
 namespace {
@@ -22,6 +24,15 @@ std::size_t UndoHistory::Before::bytes() const {
   if (equilibrium && *equilibrium) total += (*equilibrium)->size() * sizeof(float);
   return total + (handed_over.u_mm.size() + handed_over.v_mm_s.size()) * sizeof(double) +
          handed_over.elements_mm.size() * sizeof(Vec3d);
+}
+
+std::size_t UndoHistory::MeshBefore::bytes() const {
+  return sizeof *this + (shape.pos_mm.size() + shape.velocity_mm_s.size()) * sizeof(Vec3d) +
+         (shape.fixed.size() + shape.held.size()) * sizeof(int);
+}
+
+std::size_t UndoHistory::size_of(const Kept& kept) {
+  return std::visit([](const auto& before) { return before.bytes(); }, kept);
 }
 
 void UndoHistory::begin(const Step& step) {
@@ -104,19 +115,33 @@ void UndoHistory::keep(FemNodes handed_over) {
   if (!before.whole && *before.cuts == m_in.body.cuts) before.cuts.reset();
   if (!before.whole && *before.state_cuts == m_in.state.cuts) before.state_cuts.reset();
   if (*before.equilibrium == m_in.equilibrium) before.equilibrium.reset();
-  m_bytes += before.bytes();
-  m_kept.push_back(std::move(before));
+  keep(Kept(std::move(before)));
   m_begun.reset();
+}
+
+void UndoHistory::keep(const std::string& mesh, DeformableMesh::Shape before) {
+  keep(Kept(MeshBefore{mesh, std::move(before)}));
+}
+
+void UndoHistory::keep(Kept&& kept) {
+  m_bytes += size_of(kept);
+  m_kept.push_back(std::move(kept));
   while (m_kept.size() > 1 && m_bytes > kMostUndoBytes) {
-    m_bytes -= m_kept.front().bytes();
+    m_bytes -= size_of(m_kept.front());
     m_kept.pop_front();
   }
 }
 
-FemNodes UndoHistory::take_back() {
-  Before before = std::move(m_kept.back());
+FemNodes UndoHistory::take_back(std::vector<DeformableMesh>& meshes) {
+  Kept kept = std::move(m_kept.back());
   m_kept.pop_back();
-  m_bytes -= before.bytes();
+  m_bytes -= size_of(kept);
+  if (auto* of_mesh = std::get_if<MeshBefore>(&kept)) {
+    const auto is_it = [&](const DeformableMesh& mesh) { return mesh.name() == of_mesh->name; };
+    std::find_if(meshes.begin(), meshes.end(), is_it)->restore(std::move(of_mesh->shape));
+    return {};
+  }
+  Before& before = std::get<Before>(kept);
   FemNodes handed_over = std::move(before.handed_over);
   restore(std::move(before));
   return handed_over;

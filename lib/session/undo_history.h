@@ -6,9 +6,11 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "lib/body/node_change.h"
+#include "lib/session/deformable_mesh.h"
 #include "lib/session/session_body.h"
 #include "volumes/base/value.h"
 
@@ -36,8 +38,10 @@ class UndoHistory {
   /// The step is done: only what it changed is kept, and of the oldest steps nothing where all take
   /// too much. `handed_over`: nodes of the step before.
   void keep(FemNodes handed_over);
-  /// Takes the last step back; returns the nodes of the step before.
-  FemNodes take_back();
+  /// Keeps a step of a mesh body by the shape that it had before.
+  void keep(const std::string& mesh, DeformableMesh::Shape before);
+  /// Takes the last step back, of whichever body; returns the nodes of the step before.
+  FemNodes take_back(std::vector<DeformableMesh>& meshes);
   std::size_t steps() const { return m_kept.size(); }
   std::size_t bytes() const { return m_bytes; }
 
@@ -64,12 +68,21 @@ class UndoHistory {
 
     std::size_t bytes() const;
   };
+  struct MeshBefore {
+    std::string name;
+    DeformableMesh::Shape shape;
+
+    std::size_t bytes() const;
+  };
+  using Kept = std::variant<Before, MeshBefore>;
+  static std::size_t size_of(const Kept& kept);
+  void keep(Kept&& kept);
 
   void restore(Before&& before);
 
   SessionBody& m_in;
   std::optional<Before> m_begun;
-  std::deque<Before> m_kept;
+  std::deque<Kept> m_kept;
   std::unique_ptr<StepNodes> m_nodes;  // of the body between steps; null: of no step yet
   std::size_t m_bytes = 0;
 };

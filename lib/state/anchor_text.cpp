@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxFoundText = 80;
 
 /// The keys of selections and pieces ascend in a state.
-Value parse_sorted(const std::string& text, const std::string& file, const char* field) {
+Value parse_sorted(const std::string& text, const std::string& file, const std::string& field) {
   try {
     return sorted(parse_json(text));
   } catch (const JsonError&) {
@@ -59,14 +59,15 @@ Anchors anchors_from_json(const std::string& text, const std::string& file) {
   }
 }
 
-std::vector<Value> pieces_from_json(const std::string& text, const std::string& file) {
-  const Value list = parse_sorted(text, file, "pieces");
-  const Value::List& pieces = list.items();
-  const auto is_table = [](const Value& piece) { return piece.is_table(); };
-  if (!list.is_list() || !std::all_of(pieces.begin(), pieces.end(), is_table)) {
-    throw InputError({file, "pieces", text.substr(0, kMaxFoundText), "a list of objects"});
+std::vector<Value> tables_from_json(const std::string& text, const std::string& field,
+                                    const std::string& file) {
+  const Value list = parse_sorted(text, file, field);
+  const Value::List& tables = list.items();
+  const auto is_table = [](const Value& item) { return item.is_table(); };
+  if (!list.is_list() || !std::all_of(tables.begin(), tables.end(), is_table)) {
+    throw InputError({file, field, text.substr(0, kMaxFoundText), "a list of objects"});
   }
-  return pieces;
+  return tables;
 }
 
 }  // namespace supple

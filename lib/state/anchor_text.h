@@ -1,4 +1,4 @@
-// The anchors and rigid pieces of a state as JSON.
+// The anchors, rigid pieces and mesh bodies of a state as JSON.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,9 @@ std::string anchors_to_json(const Anchors& anchors);
 /// Throws InputError naming `file` when the text is no list of those.
 Anchors anchors_from_json(const std::string& text, const std::string& file);
 
-/// Tables from a list of them. Throws InputError naming `file` when the text is none.
-std::vector<Value> pieces_from_json(const std::string& text, const std::string& file);
+/// Tables of a list of them, their keys in order. Throws InputError naming `file` and `field` when
+/// the text is none.
+std::vector<Value> tables_from_json(const std::string& text, const std::string& field,
+                                    const std::string& file);
 
 }  // namespace supple

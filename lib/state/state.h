@@ -60,6 +60,8 @@ struct State {
   std::vector<std::int32_t> anchor_labels;  // whose elements stay where they are too
   /// Further anchors, each a selection as JSON, for the session that continues the state.
   std::vector<Value> anchor_selections;
+  /// Mesh bodies beside the voxels, as records for the session that continues the state.
+  std::vector<Value> meshes;
   std::string material_toml;  // the table as text, so that a state can be continued
   std::string configuration;  // JSON: the effective settings that produced it
   std::string source_name;    // file name of the source volume

@@ -160,6 +160,9 @@ void read_texts(const openvdb::MetaMap& metadata, State& state, const std::strin
   state.anchors = std::move(anchors.boxes);
   state.anchor_labels = std::move(anchors.labels);
   state.anchor_selections = std::move(anchors.selections);
+  if (metadata[kStateMetadataPrefix + std::string("bodies")]) {
+    state.meshes = tables_from_json(text("bodies"), "bodies", path);
+  }
   state.material_toml = text("material");
   state.configuration = text("configuration");
   state.source_name = text("source_name");
@@ -251,7 +254,8 @@ State read_file(const std::string& path, WithoutSource without, Progress* progre
   if (has_grid(content, kPieceGrid)) {
     read_numbers(*grid_of<openvdb::Int32Grid>(content, kPieceGrid, state.geometry, path), state,
                  is_part, state.pieces, path);
-    state.piece_records = pieces_from_json(text_of(content.metadata, "pieces", path), path);
+    state.piece_records =
+        tables_from_json(text_of(content.metadata, "pieces", path), "pieces", path);
   }
   check_state(state, path);
   report(progress, 1);

@@ -142,6 +142,7 @@ openvdb::MetaMap make_metadata(const State& state, const std::string& path) {
   };
   insert("format", state.source ? kReferringFormat : kStateFormat);
   insert("anchors", anchors_to_json({state.anchors, state.anchor_labels, state.anchor_selections}));
+  if (!state.meshes.empty()) insert("bodies", json_text(sorted(state.meshes)));
   insert("configuration", state.configuration);
   insert("frame", "LPS");
   insert("geometry", geometry_to_json(state.geometry));

@@ -45,6 +45,7 @@ void add_models(std::vector<KeyTable>& tables) {
 
 std::vector<KeyTable> all_tables() {
   static ReadOptions read;
+  static SceneBody body;
   static Step step;
   static StepKeys step_keys;
   static Drag handle;
@@ -68,6 +69,7 @@ std::vector<KeyTable> all_tables() {
   static Light light;
   std::vector<KeyTable> tables = {
       {"volume", "[volume]", "", fields(read)},
+      {"body", "[[body]]", "", tools::fields(body)},
       {"step", "[[step]]", "", fields(step, step_keys)},
       {"grab", "handles = [{ … }] and anchors = [{ … }] of a [[step]]", "", fields(placed)},
       {"motion", "handles = [{ … }] of a [[step]]", "", fields(handle)},
@@ -107,8 +109,8 @@ std::string kind_of(const Field& field) {
 /// The option of a key; empty where only scenes have the key, or commands have their own option.
 std::string option_of(const KeyTable& table, const Field& field) {
   static const std::set<std::string> kSceneTables = {
-      "light",       "grab",    "motion", "path",  "function", "film",     "event",
-      "camera_path", "retract", "plane",  "curve", "forces",   "pressures"};
+      "light",       "grab",    "motion", "path",  "function", "film",      "event",
+      "camera_path", "retract", "plane",  "curve", "forces",   "pressures", "body"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
   if (field.is_only_in_scenes() || has_no_options) return "";
   return option_name(field, table.prefix);

@@ -29,8 +29,9 @@ void print_scene(const Scene& scene, const std::string& folder, const SceneRun& 
   std::printf("volume  %s\n", scene.volume_path.c_str());
   for (std::size_t n = 0; n < scene.steps.size(); ++n) {
     const Step& step = scene.steps[n];
-    std::printf("step %zu  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n", n + 1,
-                step.drags.size(), fixed_count(step), step.cuts.size(),
+    const std::string of = step.body.empty() ? "" : " of body " + step.body;
+    std::printf("step %zu%s  %zu handles, %zu fixed boxes, points and labels, %zu cuts%s%s\n",
+                n + 1, of.c_str(), step.drags.size(), fixed_count(step), step.cuts.size(),
                 step.release ? ", releases" : "",
                 step.relax            ? ", relaxes"
                 : has_own_model(step) ? (", " + model_of(step).title).c_str()

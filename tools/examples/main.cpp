@@ -1,5 +1,8 @@
-// supple-examples: what the examples need beyond `supple` itself: the generated volumes, and the
-// figures of the original ChainMail and ECM on surfaces, which `supple` does not offer.
+// supple-examples: what the examples need beyond `supple` itself: generated volumes and membranes,
+// and the figures of the original ChainMail and ECM on surfaces, which `supple` does not offer.
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -9,6 +12,7 @@
 
 #include "tools/examples/drag_surface.h"
 #include "tools/examples/original_figures.h"
+#include "volumes/io/mesh/mesh_writer.h"
 #include "volumes/io/volume_writer.h"
 #include "volumes/phantom/phantom.h"
 
@@ -62,6 +66,39 @@ void write_phantom(const std::string& kind, const std::string& path) {
   write_volume(path, phantom.geometry, ValueType::int16, slice);
 }
 
+/// A patch of triangles, in LPS mm, whose edges are at most `spacing` long along its sides.
+struct Membrane {
+  std::string output;
+  std::array<double, 3> corner, edge1, edge2;
+  double spacing_mm = 5;
+};
+
+/// Writes the patch; diagonals alternate, so that it is alike along both of them.
+void write_membrane(const Membrane& membrane) {
+  const auto vector = [](const std::array<double, 3>& v) { return Vec3d(v[0], v[1], v[2]); };
+  const Vec3d edge1 = vector(membrane.edge1), edge2 = vector(membrane.edge2);
+  const auto cells = [&](const Vec3d& edge) {
+    return std::max(1, int(std::ceil(edge.length() / membrane.spacing_mm - 1e-9)));
+  };
+  const int n = cells(edge1), m = cells(edge2);
+  LineNetwork network;
+  for (int j = 0; j <= m; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      network.mesh.vertices_lps_mm.push_back(vector(membrane.corner) + edge1 * (double(i) / n) +
+                                             edge2 * (double(j) / m));
+    }
+  }
+  for (int j = 0; j < m; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+      const bool is_even = (i + j) % 2 == 0;
+      network.mesh.triangles.push_back({a, b, is_even ? d : c});
+      network.mesh.triangles.push_back({is_even ? a : b, d, c});
+    }
+  }
+  write_mesh(membrane.output, network);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -94,10 +131,23 @@ int main(int argc, char** argv) {
   surface->add_option("--max-length", drag.max_length, "Of links, times their rest length");
   surface->add_option("--min-length", drag.min_length, "Of links, times their rest length");
   surface->add_option("--shear", drag.shear, "Of links, times their rest length");
+  Membrane membrane;
+  CLI::App* patch = program.add_subcommand("membrane", "Write a flat patch of triangles");
+  patch->add_option("output", membrane.output, "STL, PLY, OBJ or VTK")->required();
+  const auto add_vector = [&](const char* name, std::array<double, 3>& v, const char* help) {
+    patch->add_option(name, v, help)->required()->delimiter(',')->expected(3);
+  };
+  add_vector("--corner", membrane.corner, "X,Y,Z (LPS mm)");
+  add_vector("--edge1", membrane.edge1, "DX,DY,DZ from the corner (LPS mm)");
+  add_vector("--edge2", membrane.edge2, "DX,DY,DZ from the corner (LPS mm)");
+  patch->add_option("--spacing", membrane.spacing_mm, "Of its nodes along the edges, at most (mm)")
+      ->check(CLI::PositiveNumber);
   CLI11_PARSE(program, argc, argv);
   try {
     if (surface->parsed()) {
       supple::examples::drag_surface(drag);
+    } else if (patch->parsed()) {
+      write_membrane(membrane);
     } else if (figure->parsed()) {
       supple::examples::draw_figure_4_5(t_shape_phantom(kSliceSize), output);
     } else if (u_shape->parsed()) {

@@ -90,6 +90,9 @@ Field model_field(StepKeys& keys) {
 Fields fields(Step& step, StepKeys& keys) {
   return {
       model_field(keys),
+      Field("body", step.body, "The mesh body that the step moves")
+          .otherwise("the voxels")
+          .only_in_scenes(),
       Field("limits", step.limits, {"box", "ball", "tighten"},
             "box: each component of a link; ball: its length, order-dependent; tighten: box, and "
             "narrower across stretched links"),

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "lib/session/deformable_mesh.h"
 #include "lib/state/state.h"
 #include "lib/state/state_source.h"
 #include "tools/console/command.h"
@@ -142,6 +143,19 @@ Value describe_volume(const std::string& path, ReadOptions read, Console& consol
   return json;
 }
 
+Value describe_body(const DeformableMesh& mesh) {
+  const MeshBody& body = mesh.body();
+  double moved_mm = 0;
+  for (std::size_t n = 0; n < body.node_count(); ++n) {
+    moved_mm = std::max(moved_mm, (body.pos_mm[n] - body.rest_mm[n]).length());
+  }
+  return {{"name", mesh.name()},
+          {"nodes", body.node_count()},
+          {"links", body.links.size()},
+          {"triangles", body.triangles.size()},
+          {"moved_mm", moved_mm}};
+}
+
 Value describe_state(const std::string& path, Console& console) {
   const State state = read_reachable_state(path, &console);
   const BrickTopology& kept = state.density.bricks();
@@ -189,6 +203,9 @@ Value describe_state(const std::string& path, Console& console) {
   const auto labels = label_counts(state.labels);
   for (const auto& [label, elements] : labels) json["labels"][std::to_string(label)] = elements;
   json["largest_offset_voxels"] = longest_voxels;
+  for (const Value& record : state.meshes) {
+    json["bodies"].push_back(describe_body(DeformableMesh(record, path)));
+  }
   json["configuration"] = json_or_null(state.configuration);
   return json;
 }

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/springs/stability.h"
 #include "lib/springs/lattice_springs.h"
+#include "lib/springs/stability.h"
 #include "tools/lab/stress/stress_rows.h"
 #include "tools/scene/file/scene.h"
 #include "tools/scene/run/scene_run.h"

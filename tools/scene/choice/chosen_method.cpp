@@ -75,6 +75,9 @@ std::vector<MethodChoice> choices_of_plans(const Scene& scene, const std::string
   if (scene.steps.empty()) {
     throw InputError({scene.file, option, "no step", "a scene whose handles go some way"});
   }
+  if (!scene.bodies.empty()) {
+    throw InputError({scene.file, option, "mesh bodies", "a scene of voxels alone"});
+  }
   const std::map<std::string, Scene> solved = solved_scenes(scene);
   require_memory_to_open(scene, &progress);
   const Session session(scene.volume_path, session_options(scene), &progress);

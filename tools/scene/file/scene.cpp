@@ -138,7 +138,7 @@ std::vector<std::string> Scene::outputs_of(int frame) const {
     const std::vector<std::string> files = frame_files(view.picture, view.image, frame);
     paths.insert(paths.end(), files.begin(), files.end());
   }
-  for (const std::string& name : output.all()) {
+  for (const std::string& name : written()) {
     if (has_frame_number(name) || frame == film->frames - 1) {
       paths.push_back(frame_name(name, frame));
     }
@@ -163,9 +163,17 @@ std::vector<std::string> Scene::outputs() const {
     const std::vector<std::string> files = picture_files(view.picture, view.image);
     paths.insert(paths.end(), files.begin(), files.end());
   }
-  const std::vector<std::string> names = output.all();
+  const std::vector<std::string> names = written();
   paths.insert(paths.end(), names.begin(), names.end());
   return paths;
+}
+
+std::vector<std::string> Scene::written() const {
+  std::vector<std::string> names = output.all();
+  for (const SceneBody& body : bodies) {
+    if (!body.output.empty()) names.push_back(body.output);
+  }
+  return names;
 }
 
 Scene read_scene(const std::string& path) {
@@ -176,7 +184,8 @@ Scene read_scene(Table root) {
   Scene scene;
   scene.file = root.file();
 
-  root.know({"volume", "labels", "material", "step", "view", "path", "output", "film", "event"});
+  root.know(
+      {"volume", "labels", "material", "body", "step", "view", "path", "output", "film", "event"});
   scene.has_events = root.has("event");
   Table volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "offsets"});
@@ -194,6 +203,7 @@ Scene read_scene(Table root) {
   if (auto material = root.table("material")) {
     scene.material = read_material_choice(*material, names, &scene.material_path);
   }
+  scene.bodies = read_bodies(root);
   for (Table& step : root.tables("step")) {
     scene.steps.push_back(read_step(step, names));
   }

@@ -11,6 +11,7 @@
 #include "lib/session/file/step_keys.h"
 #include "lib/session/session.h"
 #include "tools/scene/file/film.h"
+#include "tools/scene/file/scene_body.h"
 #include "tools/scene/file/scene_output.h"
 #include "tools/scene/file/view.h"
 #include "volumes/base/vec.h"
@@ -26,7 +27,8 @@ struct Scene {
   std::string labels_path;  // resolved; empty without labels
   LabelNames label_names;   // of its segments
   std::optional<MaterialTable> material;
-  std::string material_path;  // resolved; empty for an inline table
+  std::string material_path;      // resolved; empty for an inline table
+  std::vector<SceneBody> bodies;  // beside the voxels
   std::vector<Step> steps;
   std::vector<SceneView> views;
   std::vector<OffsetFunction> path;  // of all deformed views and outputs but the state
@@ -40,6 +42,8 @@ struct Scene {
   std::vector<std::string> outputs() const;
   /// The files of one frame of a film. An output without a number is of the last one.
   std::vector<std::string> outputs_of(int frame) const;
+  /// All outputs but pictures.
+  std::vector<std::string> written() const;
   /// True if the frames of a film are those of the motion in time of its last step.
   bool films_motion() const;
   /// Steps before the first whose handles follow a path: the same in all frames.

@@ -57,6 +57,7 @@ LiveSession::LiveSession(const Table& root, Progress* progress)
   const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, true};
   require_memory_to_open(m_scene, progress);
   m_session = std::make_unique<Session>(m_scene.volume_path, options, progress);
+  add_bodies(m_scene.bodies, *m_session);
   if (m_session->geometry().dims().z == 1) {
     throw InputError({m_scene.volume_path, "", "one slice", "a volume of several slices"});
   }

@@ -148,6 +148,7 @@ void ScenePlanner::plan_steps() {
   int links = m_scene.material ? m_scene.material->links : m_subject.session->material().links;
   for (std::size_t n = 0; n < m_scene.steps.size(); ++n) {
     const Step& step = m_scene.steps[n];
+    if (!step.body.empty()) continue;  // thousands of nodes beside millions of voxels
     if (step.material) links = step.material->links;
     m_moved = plan_step(step, int(n) + 1, links, *m_subject.session, m_subject.state, m_moved,
                         m_costs, m_ledger);

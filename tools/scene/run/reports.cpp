@@ -1,5 +1,6 @@
 #include "tools/scene/run/reports.h"
 
+#include "lib/session/deformable_mesh.h"
 #include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
 #include "volumes/base/value.h"
@@ -28,20 +29,25 @@ Value to_value(const ModelEnergy& energy) {
           {"total", energy.total_j()}};
 }
 
+/// Results of springs that bodies of voxels and meshes share.
+template <class Result>
+void add_motion(const Result& result, Value& json) {
+  if (result.residual_mn) json["residual_mn"] = *result.residual_mn;
+  if (!result.motion) return;
+  json["substeps"] = result.motion->substeps;
+  json["halvings"] = result.motion->halvings;
+  json["iterations"] = result.motion->iterations;
+  json["contacts"] = result.motion->contacts;
+  json["penetration_mm"] = result.motion->penetration_mm;
+}
+
 Value to_value(const SpringRecord& record) {
   Value json = {{"steps", record.steps},
                 {"nodes", record.nodes},
                 {"springs", record.springs},
                 {"energy_before_j", to_value(record.before)},
                 {"energy_after_j", to_value(record.after)}};
-  if (record.residual_mn) json["residual_mn"] = *record.residual_mn;
-  if (record.motion) {
-    json["substeps"] = record.motion->substeps;
-    json["halvings"] = record.motion->halvings;
-    json["iterations"] = record.motion->iterations;
-    json["contacts"] = record.motion->contacts;
-    json["penetration_mm"] = record.motion->penetration_mm;
-  }
+  add_motion(record, json);
   json["links"] = record.links.links;
   json["violated"] = record.links.violated;
   json["worst_excess_voxels"] = record.links.worst_excess_voxels;
@@ -294,7 +300,38 @@ Value to_value(const RigidPieces& pieces) {
   return list;
 }
 
+namespace {
+
+Value to_value(const MeshRecord& record, const StepRecord& step) {
+  const MeshMoveReport& report = record.report;
+  Value json = {{"model", step.springs ? "springs" : "ecm"}, {"body", step.body}};
+  if (!step.springs) {
+    json["fraction"] = report.ecm.fraction();
+    json["moved"] = report.ecm.moved;
+    json["projected"] = report.ecm.projection.violated_links;
+    json["solve_ms"] = report.milliseconds;
+    return json;
+  }
+  Value springs = {{"steps", report.steps},
+                   {"springs", report.springs},
+                   {"energy_before_j", to_value(report.before)},
+                   {"energy_after_j", to_value(report.after)}};
+  add_motion(report, springs);
+  springs["springs_ms"] = report.milliseconds;
+  json["settings"] = settings_value(*step.springs);
+  json["springs"] = std::move(springs);
+  json["reactions"] = Value::list();
+  for (const Reaction& reaction : report.reactions) {
+    json["reactions"].push_back({{"force_n", reaction.force_n}});
+  }
+  for (const Vec3d& force_n : report.collider_forces_n) json["contact_forces_n"].push_back(force_n);
+  return json;
+}
+
+}  // namespace
+
 Value to_value(const StepRecord& record) {
+  if (record.mesh) return to_value(*record.mesh, record);
   if (const StepModel& model = model_of(record); model.report) return model.report(record);
   if (record.springs) {
     Value json = {{"model", "springs"},

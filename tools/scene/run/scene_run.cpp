@@ -19,6 +19,7 @@
 #include "volumes/grid/brick_topology.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
+#include "volumes/io/mesh/mesh_writer.h"
 #include "volumes/io/warp_file.h"
 
 namespace supple::tools {
@@ -72,6 +73,11 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_o
   for (const std::string& input : {scene.labels_path, scene.material_path, scene.warp_path}) {
     if (!input.empty()) plan.protect(input);
   }
+  for (const SceneBody& body : scene.bodies) {
+    plan.protect(body.setup.path);
+    if (!scene.film && !body.output.empty())
+      plan.add_like(path_in(folder, body.output), body.output);
+  }
   for (const Step& step : scene.steps) {
     for (const CutSurface& cut : step.cuts) {
       if (cut.mesh) plan.protect(cut.place);
@@ -93,7 +99,7 @@ OutputPlan check_scene(const Scene& scene, const std::string& folder, bool may_o
 }
 
 bool needs_body(const Scene& scene) {
-  if (!scene.steps.empty() || writes_fields(scene.output)) return true;
+  if (!scene.steps.empty() || !scene.bodies.empty() || writes_fields(scene.output)) return true;
   return scene.material || !scene.labels_path.empty();
 }
 
@@ -114,7 +120,8 @@ SceneRun::SceneRun(const Scene& scene, const std::string& folder, bool tells_rea
       m_folder(folder),
       m_tells_reactions(tells_reactions || !scene.output.motion.empty() ||
                         !scene.output.forces.empty()),
-      m_progress(progress) {
+      m_progress(progress),
+      m_pictures(std::make_unique<PendingFiles>()) {
   for (const std::string& line : scene.warnings) progress.warn(line);
   const Stopwatch clock;
   open();
@@ -129,6 +136,7 @@ void SceneRun::open() {
     require_no_warp(m_scene, "a body that moves by itself");
     m_session =
         std::make_unique<Session>(m_scene.volume_path, session_options(m_scene), &m_progress);
+    add_bodies(m_scene.bodies, *m_session);
     m_state.geometry = m_session->geometry();
     m_grey_lo = m_session->body().material.domain_lo;
     m_grey_hi = m_session->body().material.domain_hi;
@@ -266,6 +274,12 @@ void SceneRun::write_outputs(int last, int frame) {
   for (const ElementOutput& wanted : output.elements) {
     if (!is_due(wanted.path)) continue;
     write_element_volume(file_of(wanted.path), *m_session, wanted.quantity, &m_progress);
+  }
+  for (const SceneBody& body : m_scene.bodies) {
+    if (!is_due(body.output)) continue;
+    for (const DeformableMesh& mesh : m_session->meshes()) {
+      if (mesh.name() == body.setup.name) write_mesh(file_of(body.output), mesh.shape());
+    }
   }
   if (is_due(output.forces)) write_force_table(path_of(output.forces), *m_session);
   if (is_due(output.motion)) write_motion_table(path_of(output.motion), *m_session);

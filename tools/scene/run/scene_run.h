@@ -98,6 +98,7 @@ class SceneRun {
   bool is_all_that_reads(const SceneView& view) const;
   Pose take_deformed();
   struct Drawn;
+  void add_meshes(SceneView& view) const;
   Drawn drawn_after(int step, const SceneView& view);
   void draw_views(int step);
   void make_folders() const;

@@ -1,5 +1,5 @@
-// The cases of `supple bench relax` (described in bench_relax.cpp). All rows of a call belong to one
-// group; `rest` is their body at rest. Throw Cancelled.
+// The cases of `supple bench relax` (described in bench_relax.cpp). All rows of a call belong to
+// one group; `rest` is their body at rest. Throw Cancelled.
 #pragma once
 
 #include <vector>
