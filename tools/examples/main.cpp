@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
   CLI::App* patch = program.add_subcommand("membrane", "Write a flat patch of triangles");
   patch->add_option("output", membrane.output, "STL, PLY, OBJ or VTK")->required();
   const auto add_vector = [&](const char* name, std::array<double, 3>& v, const char* help) {
-    patch->add_option(name, v, help)->required()->delimiter(',')->expected(3);
+    patch->add_option(name, v, help)->required()->delimiter(',');
   };
   add_vector("--corner", membrane.corner, "X,Y,Z (LPS mm)");
   add_vector("--edge1", membrane.edge1, "DX,DY,DZ from the corner (LPS mm)");

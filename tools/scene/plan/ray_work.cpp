@@ -89,4 +89,11 @@ PictureWork picture_work(const DensityGrid& density, const Geometry& geometry, c
   return {samples / (double(across) * down) * settings.width * settings.height, work.bricks_read()};
 }
 
+double slice_pixels(const SliceChoice& slice, const Geometry& geometry) {
+  const Vec3d& spacing = geometry.spacing_mm();
+  const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / slice.scale;
+  const Vec3d sides = Vec3d(geometry.dims()) * spacing / pixel_mm;
+  return (sides.x * sides.y + sides.x * sides.z + sides.y * sides.z) * slice.count();
+}
+
 }  // namespace supple::tools

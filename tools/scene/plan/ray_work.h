@@ -8,6 +8,7 @@
 #include "raycast/march/render_settings.h"
 #include "raycast/scene/camera.h"
 #include "raycast/scene/transfer_function.h"
+#include "tools/scene/file/slice_view.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/density_grid.h"
 
@@ -19,5 +20,8 @@ struct PictureWork {
 };
 PictureWork picture_work(const DensityGrid& density, const Geometry& geometry, const Camera& camera,
                          const TransferFunction& function, const RenderSettings& settings);
+
+/// Pixels of slices: an axial, a coronal and a sagittal one side by side, or those of a lightbox.
+double slice_pixels(const SliceChoice& slice, const Geometry& geometry);
 
 }  // namespace supple::tools

@@ -39,14 +39,6 @@ constexpr double kPictureCode = 3.5e6, kDenseCode = 5.5e6, kVdbCode = 10e6, kHdf
 constexpr double kLargePageBytes = 3e6;  // of the heap, beside what is in use
 constexpr double kLegendCode = 7e6;      // of what draws legends and words, and writes EXR
 
-/// Pixels of slices: an axial, a coronal and a sagittal one side by side, or those of a lightbox.
-double slice_pixels(const SliceChoice& slice, const Geometry& geometry) {
-  const Vec3d& spacing = geometry.spacing_mm();
-  const double pixel_mm = std::min({spacing.x, spacing.y, spacing.z}) / slice.scale;
-  const Vec3d sides = Vec3d(geometry.dims()) * spacing / pixel_mm;
-  return (sides.x * sides.y + sides.x * sides.z + sides.y * sides.z) * slice.count();
-}
-
 /// The rows of views and outputs, once the steps are planned.
 class ScenePlanner {
  public:
