@@ -17,7 +17,7 @@ constexpr double kNodeBytes = 9 * 9 * 9 * 3 * sizeof(float), kHalfNodeBytes = 15
 constexpr double kTableBytes = 75;  // of any brick in the tables of a renderer
 constexpr double kPixelBytes = 16 + 4 + 4, kAuxiliaryBytes = 28;
 constexpr double kCutSample = 4, kCubicSample = 4;  // in usual samples
-/// Of what threads keep ready in a picture of a body that moves, and of a brick that does.
+/// Bytes that threads keep ready in a picture of a body that moves, and of a brick that does.
 constexpr double kSlotsInAdvance = 4.5e6, kSlotBytes = 20e3;
 
 }  // namespace supple

@@ -1,4 +1,4 @@
-// What a ray meets beside tissue: the parts that clips of the deformed space leave, and its
+// Meetings of a ray beside tissue: the parts that clips of the deformed space leave, and its
 // crossings with meshes, one after another.
 #pragma once
 

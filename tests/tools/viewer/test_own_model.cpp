@@ -51,7 +51,7 @@ struct Block {
   }
 
   Scene scene() const { return read_scene(folder / "scene.toml"); }
-  /// What the program prints, started with these arguments.
+  /// Output of the program, started with these arguments.
   std::string said(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), "supple");
     std::vector<char*> argv;

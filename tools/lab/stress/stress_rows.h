@@ -1,4 +1,4 @@
-// What rows of `supple stress` run. Each function writes the input into the folder, runs it by the
+// The runs behind the rows of `supple stress`. Each function writes the input into the folder, runs it by the
 // stages that `supple run` uses and adds what was measured. All throw as a scene does.
 #pragma once
 

@@ -29,7 +29,7 @@ std::string to_markdown(const BenchReport& report);
 /// Replaces `path` as a whole, or not at all. Throws SystemError.
 void write_json(const std::string& path, const BenchReport& report);
 
-// Which rows of a benchmark `--only` chooses.
+// The rows of a benchmark that `--only` chooses.
 
 /// True when the name holds one of the patterns (* stands for anything), or when there are none.
 bool is_wanted_row(const std::vector<std::string>& only, const std::string& name);

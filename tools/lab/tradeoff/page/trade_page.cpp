@@ -73,7 +73,7 @@ Value choice_of(const TradeResults& results, const HeldOutChoice& choice) {
   return value;
 }
 
-/// What choices from the other loads did on the one that is held out.
+/// Results of choices from the other loads on the one that is held out.
 Value held_out_of(const TradeResults& results) {
   const std::vector<HeldOutChoice> choices = check_held_out(results.rows, results.floor_mm());
   Value value = {{"summary", summary_of(choices)}, {"floor", mm_text(results.floor_mm())}};
