@@ -1,4 +1,4 @@
-// The runs behind the rows of `supple stress`. Each function writes the input into the folder, runs it by the
+// The runs of `supple stress`. Each function writes the input into the folder, runs it by the
 // stages that `supple run` uses and adds what was measured. All throw as a scene does.
 #pragma once
 
