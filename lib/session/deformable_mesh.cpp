@@ -8,6 +8,7 @@
 #include "volumes/base/error.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/table.h"
+#include "volumes/base/text.h"
 
 namespace supple {
 
@@ -224,7 +225,27 @@ MeshMoveReport DeformableMesh::move(const MeshMove& move, Progress* progress) {
     throw;
   }
   report.milliseconds = ms_since(begin);
+  warn_of(report, move, progress);
   return report;
+}
+
+void DeformableMesh::warn_of(const MeshMoveReport& report, const MeshMove& move,
+                             Progress* progress) const {
+  const std::string body = "body \"" + name() + "\": ";
+  if (report.ecm.fraction() < 1) {
+    warn(progress, body + "what is held stopped the drag at " +
+                       number_text(100 * report.ecm.fraction(), 4) + " %");
+  }
+  if (report.ecm.projection.violated_links > 0) {
+    warn(progress, body + "the start broke " +
+                       with_count(report.ecm.projection.violated_links, "link") +
+                       " and was projected, by up to " +
+                       number_text(report.ecm.projection.max_move_mm, 4) + " mm");
+  }
+  if (report.residual_mn && *report.residual_mn > move.springs->tolerance_mn) {
+    warn(progress, body + "no rest after " + with_count(report.steps, "step") + ", a force of " +
+                       number_text(*report.residual_mn, 4) + " mN is left");
+  }
 }
 
 void DeformableMesh::move_by_springs(const MeshMove& move, const HeldMesh& held,

@@ -86,8 +86,9 @@ class DeformableMesh {
   /// The node nearest to a place at rest.
   int nearest_node(const Vec3d& at_lps_mm) const;
 
-  /// Throws InputError as the models do, the body unchanged; Cancelled, the body at the last
-  /// finished step.
+  /// Warns of drags that were stopped, of links that were projected and of a minimum that was not
+  /// reached. Throws InputError as the models do, the body unchanged; Cancelled, the body at the
+  /// last finished step.
   MeshMoveReport move(const MeshMove& move, Progress* progress);
 
   /// Data that a move changes.
@@ -102,6 +103,7 @@ class DeformableMesh {
   NodeSet rim() const;
   void move_by_springs(const MeshMove& move, const HeldMesh& held, MeshMoveReport& report,
                        Progress* progress);
+  void warn_of(const MeshMoveReport& report, const MeshMove& move, Progress* progress) const;
 
   MeshSetup m_setup;
   MeshBody m_body;

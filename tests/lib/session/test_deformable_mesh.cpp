@@ -127,6 +127,9 @@ TEST_F(UnitDeformableMesh, ChainMailMovesItAsTheSolverAlone) {
   EXPECT_EQ(opened->meshes()[0].body().pos_mm, body.pos_mm);
   EXPECT_EQ(record.mesh->report.ecm.fraction(), alone.fraction());
   EXPECT_LT(alone.fraction(), 1);
+  ASSERT_EQ(opened->messages().size(), 2u);  // the first: no material is given
+  EXPECT_NE(opened->messages()[1].find("body \"body0\": what is held stopped the drag at"),
+            std::string::npos);
 }
 
 TEST_F(UnitDeformableMesh, BodiesHaveOneHistory) {
