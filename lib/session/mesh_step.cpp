@@ -99,7 +99,7 @@ class NodeFinder {
   }
 
   NodeSet nodes_of_box(const PlacedSelection& given) const {
-    const auto& [a, b] = given.corners.value();
+    const Vec3d a = given.corners.value()[0], b = (*given.corners)[1];
     if (a == b) return {m_mesh.nearest_node(world_of(a, given.frame))};
     // Voxels reach half of one beyond their centres.
     const double beyond = given.frame == PlaceFrame::voxel ? 0.5 : 0;
