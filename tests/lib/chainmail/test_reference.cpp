@@ -32,7 +32,7 @@ int torn_rigid_links(const Body& body, const Block& block) {
   return torn;
 }
 
-std::array<std::int32_t, 3> random_move(std::mt19937& random, double reach) {
+std::array<std::int32_t, 3> random_way(std::mt19937& random, double reach) {
   std::uniform_real_distribution<double> voxels(-reach, reach);
   return {std::int32_t(voxels(random) * kVoxel), std::int32_t(voxels(random) * kVoxel),
           std::int32_t(voxels(random) * kVoxel)};
@@ -160,7 +160,7 @@ TEST(PropertyOriginalChainMail, EqualsEcmOnHomogeneousConvexBodies) {
                    [](int, int, int) { return 255.0; });
     Body body = body_of(block);
     const Vec3i voxel = block.voxel(random_element(random, block));
-    const auto by = random_move(random, 12);
+    const auto by = random_way(random, 12);
     const Body original = reference::original_chainmail(body, voxel, by);
     drag(body, {{voxel, by}}, {});
     const ReferenceLattice lattice = lattice_of(body);
@@ -176,7 +176,7 @@ TEST(PropertyOriginalChainMail, EqualsEcmInRepeatedDragsOfHomogeneousBoxes) {
     Body ecm = body_of(block), original = ecm;
     for (int drags = 0; drags < 6; ++drags) {
       const Vec3i voxel = block.voxel(random_element(random, block));
-      const auto by = random_move(random, 9);
+      const auto by = random_way(random, 9);
       original = reference::original_chainmail(original, voxel, by);
       drag(ecm, {{voxel, by}}, {});
       const ReferenceLattice lattice = lattice_of(ecm);
@@ -193,7 +193,7 @@ TEST(PropertyOriginalChainMail, EqualsEcmOnConvexBodiesGrabbedWhereAllStaircases
     Body body = body_of(homogeneous_shape(random, dims, ellipsoid(dims)));
     const Vec3i voxel = (dims - Vec3i(1)) / 2;
     for (int drags = 0; drags < 3; ++drags) {
-      const auto by = random_move(random, 9);
+      const auto by = random_way(random, 9);
       const Body before = body;
       drag(body, {{voxel, by}}, {});
       const Body original = reference::original_chainmail(before, voxel, by);
@@ -216,7 +216,7 @@ TEST(PropertyOriginalChainMail, OnAnyHomogeneousBodyItMovesWhatItsStaircasesReac
     Body body = body_of(block);
     for (int drags = 0; drags < 4; ++drags) {
       const Vec3i voxel = block.voxel(random_element(random, block));
-      const auto by = random_move(random, 9);
+      const auto by = random_way(random, 9);
       const Body before = body;
       drag(body, {{voxel, by}}, {});
       left_behind += expect_staircase_law(before, reference::original_chainmail(before, voxel, by),
@@ -288,7 +288,7 @@ TEST(PropertyThesisEcm, TheOrderedCandidateListGivesTheBitsOfTheEngine) {
     ThesisEcm<std::int64_t> thesis(lattice, lattice.at_rest());
     for (int drags = 0; drags < 4; ++drags) {
       const Vec3i voxel = block.voxel(random_element(random, block));
-      const auto by = random_move(random, drags % 2 ? 3 : 20);
+      const auto by = random_way(random, drags % 2 ? 3 : 20);
       drag(body, {{voxel, by}}, {});
       thesis.move(voxel - lattice.origin, by, 2000000);
       expect_same_offsets(body, lattice, thesis.offsets());

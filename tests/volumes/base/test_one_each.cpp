@@ -134,6 +134,8 @@ TEST(UnitProcess, AProgramGetsItsFolderEnvironmentAndStreams) {
 }
 
 TEST(UnitProcess, AProgramThatIsNotThereIsToldAtOnce) {
-  EXPECT_EQ(start_program({{"supple-is-not-called-so"}}), -1);
+  ProgramStart start;
+  start.words = {"supple-is-not-called-so"};
+  EXPECT_EQ(start_program(start), -1);
   EXPECT_EQ(errno, ENOENT);
 }

@@ -21,7 +21,7 @@ namespace supple::tools {
 
 class SceneRun;
 struct Scene;
-struct UnitCosts;
+class UnitCosts;
 
 /// One thing that is allocated or computed.
 struct PlanRow {
