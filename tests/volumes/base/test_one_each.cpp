@@ -55,7 +55,8 @@ TEST(UnitParallel, TilesCoverAPictureOnceAndAreNoLargerThanAsked) {
     EXPECT_LE(tile.row_end - tile.row_begin, 8);
     EXPECT_LE(tile.column_end - tile.column_begin, 8);
     for (int y = tile.row_begin; y < tile.row_end; ++y) {
-      for (int x = tile.column_begin; x < tile.column_end; ++x) ++pixels[std::size_t(53 * y + x)];
+      for (int x = tile.column_begin; x < tile.column_end; ++x)
+        ++pixels[std::size_t(53) * std::size_t(y) + std::size_t(x)];
     }
   });
   EXPECT_TRUE(are_ones(pixels));
