@@ -12,6 +12,7 @@
 #include "lib/springs/spring_cost.h"
 #include "raycast/march/march_cost.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -74,6 +75,8 @@ struct Bench {
 }  // namespace
 
 TEST(UnitModelCosts, SpringsTakeTheirBytes) {
+  LEFT_OUT_WHEN_SANITIZED();
+  if (kSanitized) GTEST_SKIP() << "sanitizers have a heap of their own";
   Bench bench({20, 20, 20});
   MotionParams params;
   Watch watch;
@@ -87,6 +90,8 @@ TEST(UnitModelCosts, SpringsTakeTheirBytes) {
 }
 
 TEST(UnitModelCosts, FiniteElementsTakeTheirBytesPerUnknown) {
+  LEFT_OUT_WHEN_SANITIZED();
+  if (kSanitized) GTEST_SKIP() << "sanitizers have a heap of their own";
   Bench bench({kEdge, kEdge, kEdge});
   FemParams params;
   Watch watch;
@@ -98,6 +103,8 @@ TEST(UnitModelCosts, FiniteElementsTakeTheirBytesPerUnknown) {
 }
 
 TEST(UnitModelCosts, ARelaxationTakesItsBytesPerVoxel) {
+  LEFT_OUT_WHEN_SANITIZED();
+  if (kSanitized) GTEST_SKIP() << "sanitizers have a heap of their own";
   Bench bench({kEdge, kEdge, kEdge});
   RelaxParams params;
   Watch watch;
