@@ -108,7 +108,8 @@ Fields fields(MeshSetup& setup) {
       Field("structural", springs.structural_n_m, "Stiffness of springs along edges")
           .unit("N/m")
           .at_least(0),
-      Field("bending", springs.bending_n_m, "Of springs across edges, between opposite corners")
+      Field("bending", springs.bending_n_m,
+            "Stiffness of springs across edges, between opposite corners")
           .unit("N/m")
           .at_least(0),
       Field("damping", springs.damping_n_s_m, "Damping along each spring")
@@ -118,11 +119,11 @@ Fields fields(MeshSetup& setup) {
           .unit("s")
           .at_least(0),
       Field("density", springs.density_kg_m3, "Mass per volume").unit("kg/m³").positive(),
-      Field("thickness", springs.thickness_mm, "Of its triangles").unit("mm").positive(),
+      Field("thickness", springs.thickness_mm, "Thickness of its triangles").unit("mm").positive(),
       Field("section", springs.section_mm2, "Area across its lines").unit("mm²").positive(),
       Field("max_length", limits.max_length, "Longest length of an edge, in its rest length")
           .at_least(1),
-      Field("min_length", limits.min_length, "Shortest length").positive().range(0, 1),
+      Field("min_length", limits.min_length, "Shortest length of an edge").range(0.01, 1),
       Field("max_shear", limits.shear, "Largest move across an edge, in its rest length")
           .at_least(0),
       Field("fix_rim", setup.fixes_rim, "Nodes at the rim of its triangles stay where they are"),
@@ -220,7 +221,7 @@ MeshMoveReport DeformableMesh::move(const MeshMove& move, Progress* progress) {
       model.store();
       report.ecm = model.report();
     }
-  } catch (const InputError&) {
+  } catch (...) {
     restore(before);
     throw;
   }

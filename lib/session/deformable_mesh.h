@@ -87,8 +87,7 @@ class DeformableMesh {
   int nearest_node(const Vec3d& at_lps_mm) const;
 
   /// Warns of drags that were stopped, of links that were projected and of a minimum that was not
-  /// reached. Throws InputError as the models do, the body unchanged; Cancelled, the body at the
-  /// last finished step.
+  /// reached. Throws InputError as the models do, and Cancelled; the body is unchanged then.
   MeshMoveReport move(const MeshMove& move, Progress* progress);
 
   /// Data that a move changes.

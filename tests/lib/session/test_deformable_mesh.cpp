@@ -197,6 +197,29 @@ TEST_F(UnitDeformableMesh, AStateWithoutBodiesKnowsNothingOfThem) {
   EXPECT_NE(read_text(m_folder / "b.vdb").find("bodies"), std::string::npos);
 }
 
+TEST_F(UnitDeformableMesh, AStepThatIsCancelledLeavesItAsItWas) {
+  class Stopped final : public Progress {
+   public:
+    void stage(std::string_view) override {}
+    void update(double done) override { m_is_cancelled = done > 0.5; }
+    bool cancelled() const override { return m_is_cancelled; }
+
+   private:
+    bool m_is_cancelled = false;
+  };
+  m_fixes_rim = true;
+  const auto opened = session({sheet(6, 4, 0)});
+  Step step = step_of("body0");
+  step.drags = {pull({12, 12, 0}, {0, 0, 3})};
+  step.springs.emplace().time_s = 0.5;
+  const Value before = opened->meshes()[0].record();
+  Stopped stopped;
+  EXPECT_THROW(opened->step(step, &stopped), Cancelled);
+  EXPECT_EQ(opened->meshes()[0].record(), before);
+  EXPECT_EQ(opened->undo_steps(), 0u);
+  EXPECT_TRUE(opened->records().empty());
+}
+
 TEST_F(UnitDeformableMesh, BoxesAndBallsChooseTheNodesInside) {
   m_fixes_rim = false;
   const auto opened = session({sheet(6, 4, 0)});

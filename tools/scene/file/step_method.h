@@ -13,7 +13,7 @@ struct MethodFamily : ModelMethod {
 };
 using StepMethod = KnobSetting<MethodFamily>;
 
-/// Those of all models (lib/session/step_model.h), in the order of charts.
+/// The methods of all models (lib/session/step_model.h), in the order of charts.
 const std::vector<MethodFamily>& method_families();
 
 /// Throws InputError as parse_knob.
