@@ -249,19 +249,21 @@ TEST_F(UnitPlan, ARunThatWasPlannedSaysWhatCameOfIt) {
 
 TEST_F(UnitPlan, SpringsOfASolidHoldWhatWasPlanned) {
   write_ball(m_folder, "ball", 64);
-  const Json report =
-      run("[[step]]\ngrab = [32, 32, 32]\nby = [0.0, 3.0, 0.0]\nmodel = \"springs\"\n"
-          "springs = { minimise = true, steps = 1 }\n" +
-              kPlannedView,
-          {"--plan"});
+  const std::string step = "[[step]]\ngrab = [32, 32, 32]\nby = [0.0, 3.0, 0.0]\n",
+                    springs = "model = \"springs\"\nsprings = { minimise = true, steps = 1 }\n";
+  const Json report = run(step + springs + kPlannedView, {"--plan"});
   for (const char* axis : {"i", "j", "k"}) {
     EXPECT_TRUE(says(report.at("plan").at("rows"), std::string("coordinate ") + axis));
   }
   if (kSanitized) return;  // shadow memory is in no plan
-  const Json& outcome = report.at("outcome");
-  const double ratio =
-      outcome.at("peak_mb").get<double>() / outcome.at("was_peak_mb").get<double>();
-  EXPECT_GT(ratio, 0.85);
+  // The program itself, which differs from machine to machine, is in both runs.
+  const Json others = run(step + kPlannedView, {"--plan"});
+  const auto more = [&](const char* peak) {
+    return report.at("outcome").at(peak).get<double>() -
+           others.at("outcome").at(peak).get<double>();
+  };
+  const double ratio = more("peak_mb") / more("was_peak_mb");
+  EXPECT_GT(ratio, 0.7);
   EXPECT_LT(ratio, 1.2);
 }
 
