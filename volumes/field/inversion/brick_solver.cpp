@@ -21,6 +21,22 @@ int count_common(const BrickMask& a, const BrickMask& b) {
   return mask_count(both);
 }
 
+/// Turns the corners of a cell into those of the half voxel beside it, where its motion goes on
+/// linearly.
+void go_beyond(CellCorners& corners, int axis, int side) {
+  const int across = 4 >> axis;  // from a lower corner to the upper one
+  for (auto& p : corners.p) {
+    for (int n = 0; n < kCellCorners; ++n) {
+      if (cell_corner(n)[axis] == 1) continue;
+      double &lower = p[n], &upper = p[n + across];
+      const double inner = side < 0 ? lower : upper;
+      const double outer = inner + (side < 0 ? lower - upper : upper - lower) * kBeyondBorder;
+      lower = side < 0 ? outer : inner;
+      upper = side < 0 ? inner : outer;
+    }
+  }
+}
+
 }  // namespace
 
 /// Adds a solution; along an axis with one slice only one from that slice, not from its copies.
@@ -41,21 +57,26 @@ void BrickSolver::solve_borders(const SourceCells& cells, const CellContents& co
     upper[a] = m_dims[a] - 2 - cells.origin[a];
   }
   const auto is_in_brick = [](int at) { return at >= 0 && at < kBrickDim; };
-  bool is_at_border = false;
-  for (int a = 0; a < 3; ++a) is_at_border |= lower[a] == 0 || is_in_brick(upper[a]);
-  if (!is_at_border) return;
   const std::size_t first = m_results.hits.size();
-  for_each_active(cells.mask, [&](int offset) {
-    const Vec3i at = brick_local(offset);
-    for (int n = 0; n < 27; ++n) {
-      const Vec3i side = surrounding_step(n);
-      bool is_beyond = side != Vec3i(0);
-      for (int a = 0; a < 3; ++a) {
-        is_beyond &= side[a] == 0 || at[a] == (side[a] < 0 ? lower[a] : upper[a]);
-      }
-      if (is_beyond) solve_beyond(cells, offset, side);
+  for (int n = 0; n < 27; ++n) {
+    const Vec3i side = surrounding_step(n);
+    IndexBox beside{Vec3i(0), Vec3i(kBrickDim - 1)};  // the cells at this side of the volume
+    for (int a = 0; a < 3; ++a) {
+      if (side[a] == 0) continue;
+      beside.lo[a] = beside.hi[a] = side[a] < 0 ? lower[a] : upper[a];
     }
-  });
+    const bool is_beyond = side != Vec3i(0) && is_in_brick(beside.lo.x) &&
+                           is_in_brick(beside.lo.y) && is_in_brick(beside.lo.z);
+    if (!is_beyond) continue;
+    for (int x = beside.lo.x; x <= beside.hi.x; ++x) {
+      for (int y = beside.lo.y; y <= beside.hi.y; ++y) {
+        for (int z = beside.lo.z; z <= beside.hi.z; ++z) {
+          const int offset = brick_offset({x, y, z});
+          if (mask_test(cells.mask, offset)) solve_beyond(cells, offset, side);
+        }
+      }
+    }
+  }
   for (std::size_t n = first; n < m_results.hits.size(); ++n) {
     auto& hit = m_results.hits[n];
     hit.content =
@@ -74,15 +95,9 @@ void BrickSolver::solve_beyond(const SourceCells& cells, int offset, const Vec3i
     if (side[a] != 0) size[a] = kBeyondBorder;
     if (side[a] != 0) low[a] = side[a] < 0 ? -kBeyondBorder : 1;
   }
-  const CellCorners inner = cell_corners(cells, offset);
-  CellCorners corners{};
-  for (int n = 0; n < kCellCorners; ++n) {
-    const Vec3d t = low + Vec3d(cell_corner(n)) * size;
-    for (int of = 0; of < kCellCorners; ++of) {
-      double weight = 1;
-      for (int a = 0; a < 3; ++a) weight *= cell_corner(of)[a] ? t[a] : 1 - t[a];
-      for (int a = 0; a < 3; ++a) corners.p[a][n] += weight * inner.p[a][of];
-    }
+  CellCorners corners = cell_corners(cells, offset);
+  for (int a = 0; a < 3; ++a) {
+    if (side[a] != 0) go_beyond(corners, a, side[a]);
   }
   const IndexBox nodes = nodes_of(corners, cell);
   if (nodes.empty()) return;
