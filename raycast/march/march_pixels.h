@@ -10,6 +10,14 @@
 
 namespace supple {
 
+// Blue noise: thresholds without low frequencies, so that neighbouring pixels differ and no pattern
+// shows. R. Ulichney, The void-and-cluster method for dither array generation, Proc. SPIE 1913,
+// 1993.
+
+/// A threshold, 0 … 1, from a tile of 64×64 pixels that repeats; every multiple of 1/4096 stands
+/// once in a tile. The first call makes the tile, some 20 ms.
+float blue_noise(int x, int y);
+
 /// Pixels whose column and row are multiples of `spacing`, without those that are there already:
 /// multiples of `coarser`, or none where it is 0. 1 is the whole picture.
 struct PixelLattice {

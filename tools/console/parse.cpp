@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "lib/material/presets.h"
+#include "raycast/scene/transfer_function.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "volumes/base/fields.h"
@@ -109,6 +110,15 @@ bool is_tissue_preset(const std::string& option, const std::string& text) {
   throw InputError({"", option, "'" + text + "', and no such file",
                     "a table, or " + listed(names, "or") +
                         (nearest.empty() ? "" : ": did you mean '" + nearest + "'?")});
+}
+
+void require_preset(const std::string& option, const std::string& name) {
+  const std::vector<std::string> names = preset_names();
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  const std::string nearest = nearest_name(name, names);
+  throw UsageError(to_line({"", option, "'" + name + "'",
+                            nearest.empty() ? "one that supple presets lists, or a .toml file"
+                                            : "a known one: did you mean '" + nearest + "'?"}));
 }
 
 namespace {

@@ -30,6 +30,8 @@ std::optional<std::string> parse_label(const std::string& option, const std::str
 /// True if a material is a preset, not a file. Throws InputError with the nearest name where it is
 /// neither.
 bool is_tissue_preset(const std::string& option, const std::string& text);
+/// Throws UsageError, naming the option, where no preset of pictures has the name.
+void require_preset(const std::string& option, const std::string& name);
 
 struct GrabText {
   Value keys;                 // of the table of a scene

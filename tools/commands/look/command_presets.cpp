@@ -3,8 +3,9 @@
 #include <cstdio>
 
 #include "lib/material/presets.h"
+#include "raycast/scene/transfer_file.h"
 #include "tools/console/command.h"
-#include "tools/scene/file/transfer_file.h"
+#include "tools/console/parse.h"
 
 namespace supple::tools {
 

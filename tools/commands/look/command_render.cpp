@@ -3,11 +3,11 @@
 #include <cstdio>
 
 #include "raycast/scene/framing.h"
+#include "raycast/scene/transfer_file.h"
 #include "tools/console/command.h"
 #include "tools/console/dry_run.h"
 #include "tools/console/field_options.h"
 #include "tools/console/parse.h"
-#include "tools/scene/file/transfer_file.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/scene_plan.h"
 #include "tools/scene/run/output_plan.h"

@@ -1,14 +1,12 @@
-#include "tools/scene/file/transfer_file.h"
+#include "raycast/scene/transfer_file.h"
 
-#include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include "raycast/pictures/background.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
-namespace supple::tools {
+namespace supple {
 
 namespace {
 
@@ -95,15 +93,6 @@ TransferFunction read_transfer_function(Table& table) {
   return function;
 }
 
-void require_preset(const std::string& option, const std::string& name) {
-  const std::vector<std::string> names = preset_names();
-  if (std::find(names.begin(), names.end(), name) != names.end()) return;
-  const std::string nearest = nearest_name(name, names);
-  throw UsageError(to_line({"", option, "'" + name + "'",
-                            nearest.empty() ? "one that supple presets lists, or a .toml file"
-                                            : "a known one: did you mean '" + nearest + "'?"}));
-}
-
 std::string to_toml(const TransferFunction& function) {
   std::string text = "name = \"" + function.name + "\"\n";
   if (function.blend == Blend::maximum) text += "blend = \"maximum\"\n";
@@ -127,4 +116,4 @@ std::string to_toml(const TransferFunction& function) {
   return text;
 }
 
-}  // namespace supple::tools
+}  // namespace supple

@@ -6,17 +6,14 @@
 #include "raycast/scene/transfer_function.h"
 #include "volumes/base/table.h"
 
-namespace supple::tools {
+namespace supple {
 
 /// Throws InputError: missing or bad file, unknown key, values that TransferFunction refuses.
 TransferFunction read_transfer_function(const std::string& path);
 /// Reads it from a table, with the same errors.
 TransferFunction read_transfer_function(Table& table);
 
-/// Throws UsageError, naming the option, where no preset has the name.
-void require_preset(const std::string& option, const std::string& name);
-
 /// Text that read_transfer_function() reads back exactly.
 std::string to_toml(const TransferFunction& function);
 
-}  // namespace supple::tools
+}  // namespace supple
