@@ -1,4 +1,4 @@
-# Writes the files below FOLDER as arrays into OUTPUT, for tools/viewer/page_files.h, but for what only
+# Writes the files below FOLDER as arrays into OUTPUT, for tools/viewer/server.h, but for what only
 # people and tests read.
 file(GLOB_RECURSE files RELATIVE ${FOLDER} ${FOLDER}/*)
 list(FILTER files EXCLUDE REGEX "(^|/)(README[.]md|package[.]json)$")
@@ -13,7 +13,7 @@ foreach(file IN LISTS files)
   string(APPEND entries "    {\"${file}\", kFile${count}, sizeof(kFile${count}) - 1},\n")
   math(EXPR count "${count} + 1")
 endforeach()
-file(WRITE ${OUTPUT} "#include \"tools/viewer/page_files.h\"
+file(WRITE ${OUTPUT} "#include \"tools/viewer/server.h\"
 
 namespace supple::tools {
 

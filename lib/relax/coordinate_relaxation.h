@@ -61,7 +61,7 @@ class CoordinateRelaxation {
   bool m_is_plastic;
   int m_extent;  // of the body, voxels
   Movable m_elements;
-  std::vector<std::int16_t> m_one_class;  // of bricks, with diagonals (diagonal_brick.h)
+  std::vector<std::int16_t> m_one_class;  // of bricks, with diagonals (diagonal_sweep.h)
   /// Offsets now and in the next pass, the same where the last one changed nothing. With diagonals
   /// whose nodes step in turns, the second stays empty.
   BrickArray<double> m_now, m_next;

@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "lib/state/state_outputs.h"
-#include "tools/scene/file/transfer_file.h"
+#include "raycast/scene/transfer_file.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/slice_pictures.h"

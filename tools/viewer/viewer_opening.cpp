@@ -2,6 +2,7 @@
 #include <filesystem>
 
 #include "lib/material/presets.h"
+#include "tools/scene/file/scene.h"
 #include "tools/viewer/viewer.h"
 
 namespace supple::tools {

@@ -15,7 +15,7 @@ namespace supple {
 /// read where our own writer recorded it in the header; files of other programs do not say. Throws
 /// InputError for a file of scalars, vectors that are not finite (with their count), an unknown
 /// direction, and for everything that open_volume refuses. Cost: 12 bytes per vector other than 0
-/// and those beside it (warp_vectors.h). `grid`: where a transform that names no grid is evaluated.
+/// and those beside it. `grid`: where a transform that names no grid is evaluated.
 Warp read_warp(const std::string& path, Progress* progress = nullptr,
                const Geometry* grid = nullptr);
 

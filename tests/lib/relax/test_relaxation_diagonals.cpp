@@ -6,8 +6,8 @@
 
 #include "lib/body/slot_set.h"
 #include "lib/chainmail/ecm.h"
+#include "lib/relax/link_table.h"
 #include "lib/relax/reaction.h"
-#include "lib/relax/spring_shares.h"
 #include "tests/lib/brute_force.h"
 #include "tests/lib/relaxed_bodies.h"
 #include "tests/support/sanitized.h"

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/body/nearest_point.h"
 #include "lib/body/smallest_motion.h"
 #include "lib/material/material.h"
 #include "lib/session/session.h"

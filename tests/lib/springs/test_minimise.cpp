@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include "lib/springs/block_gradients.h"
 #include "lib/springs/block_ldlt.h"
 #include "lib/springs/lattice_springs.h"
 #include "lib/springs/mesh_springs.h"
 #include "lib/springs/minimise.h"
+#include "lib/springs/spring_matrix.h"
 #include "tests/lib/spring_fixtures.h"
 #include "tests/lib/test_bodies.h"
 #include "volumes/base/parallel.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "raycast/march/blue_noise.h"
+#include "raycast/march/march_pixels.h"
 #include "raycast/march/render_context.h"
 #include "raycast/pictures/compare.h"
 #include "tests/raycast/scenes.h"

@@ -5,7 +5,6 @@
 
 #include "tests/support/program.h"
 #include "tools/lab/tradeoff/page/template.h"
-#include "tools/lab/tradeoff/page/thumbnails.h"
 #include "tools/lab/tradeoff/page/trade_chart.h"
 #include "tools/lab/tradeoff/page/trade_page.h"
 

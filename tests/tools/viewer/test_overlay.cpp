@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/viewer/overlay.h"
+#include "tools/viewer/slice_panes.h"
 
 using namespace supple;
 using namespace supple::tools;

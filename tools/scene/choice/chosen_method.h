@@ -3,12 +3,22 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tools/scene/choice/method_choice.h"
 #include "tools/scene/file/scene.h"
 #include "volumes/base/progress.h"
 
 namespace supple::tools {
+
+// Methods for scenes that have no table of `supple tradeoff`, and how exact each was on the loads
+// of docs/tradeoff.md. Of two methods the one that promises less error was nearer on every load.
+
+std::vector<std::string> shipped_methods();
+
+/// Error of one of them that is expected at the 95th percentile where the longest way of a handle
+/// is `way_mm`; the worst of all loads.
+double shipped_error_mm(const std::string& method, double way_mm);
 
 /// Limits of time and error as given; empty: not given.
 struct MethodWanted {

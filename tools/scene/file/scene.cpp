@@ -3,14 +3,84 @@
 #include <algorithm>
 
 #include "lib/material/material.h"
-#include "tools/scene/file/transfer_file.h"
+#include "raycast/scene/transfer_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"
 #include "volumes/base/table.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/label_file.h"
+#include "volumes/io/mesh/mesh_writer.h"
 
 namespace supple::tools {
+
+Fields fields(SceneBody& body) {
+  Fields all = supple::fields(body.setup);
+  all.push_back(Field("output", body.output, "Mesh to write after the last step")
+                    .shown_as("FILE")
+                    .otherwise(""));
+  return all;
+}
+
+std::vector<SceneBody> read_bodies(Table& root) {
+  std::vector<SceneBody> bodies;
+  for (Table& table : root.tables("body")) {
+    SceneBody body;
+    body.setup.place = table.place();
+    table.read(fields(body));
+    const std::string& name = body.setup.name;
+    if (name.empty()) table.fail("name", "an empty name", "one by which steps name the body");
+    if (body.setup.path.empty()) table.fail_missing("path", "the path of a mesh");
+    const bool is_twice = std::any_of(bodies.begin(), bodies.end(), [&](const SceneBody& other) {
+      return other.setup.name == name;
+    });
+    if (is_twice) table.fail("name", "\"" + name + "\" twice", "a name of its own");
+    if (!body.output.empty()) {
+      require_mesh_name(body.output, table.place("output"), table.full_name("output"));
+    }
+    table.finish();
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+void add_bodies(const std::vector<SceneBody>& bodies, Session& session) {
+  for (const SceneBody& body : bodies) session.add(body.setup);
+}
+
+std::vector<std::string> SceneOutput::all() const {
+  std::vector<std::string> names;
+  if (!state.empty()) names.push_back(state);
+  for (const auto* list : {&offsets, &displacements, &volumes}) {
+    names.insert(names.end(), list->begin(), list->end());
+  }
+  for (const ElementOutput& output : elements) names.push_back(output.path);
+  for (const std::string* table : {&forces, &motion}) {
+    if (!table->empty()) names.push_back(*table);
+  }
+  return names;
+}
+
+SceneOutput read_output(Table& table) {
+  SceneOutput output;
+  output.state = table.string("state").value_or("");
+  output.refers = table.boolean("refer").value_or(false);
+  output.offsets = table.strings("offsets").value_or(std::vector<std::string>{});
+  output.displacements = table.strings("displacements").value_or(std::vector<std::string>{});
+  output.volumes = table.strings("volumes").value_or(std::vector<std::string>{});
+  output.forces = table.string("forces").value_or("");
+  output.motion = table.string("motion").value_or("");
+  if (auto elements = table.table("elements")) {
+    for (const auto& [quantity, name] : kFemQuantities) {
+      if (const auto path = elements->string(std::string(name))) {
+        output.elements.push_back({quantity, *path, table.full_name("elements")});
+      }
+    }
+    elements->finish();
+  }
+  if (output.refers && output.state.empty()) table.fail("refer", "no state", "state beside it");
+  table.finish();
+  return output;
+}
 
 namespace {
 

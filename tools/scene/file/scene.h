@@ -6,18 +6,60 @@
 #include <string>
 #include <vector>
 
+#include "lib/fem/voxel/fem_results.h"
 #include "lib/material/material.h"
 #include "lib/session/cut_surface.h"
+#include "lib/session/deformable_mesh.h"
 #include "lib/session/file/step_keys.h"
 #include "lib/session/session.h"
 #include "tools/scene/file/film.h"
-#include "tools/scene/file/scene_body.h"
-#include "tools/scene/file/scene_output.h"
 #include "tools/scene/file/view.h"
+#include "volumes/base/table.h"
 #include "volumes/base/vec.h"
 #include "volumes/io/load/label_file.h"
 
 namespace supple::tools {
+
+// The mesh bodies of a scene: [[body]].
+
+struct SceneBody {
+  MeshSetup setup = {};
+  std::string output;  // mesh to write after the last step; empty: none
+};
+/// Keys of a [[body]].
+Fields fields(SceneBody& body);
+
+/// All tables [[body]] of a scene. Throws InputError as Table, for a name that two bodies have and
+/// for an output of no mesh format.
+std::vector<SceneBody> read_bodies(Table& root);
+
+/// Puts them into a session. Throws InputError as Session::add().
+void add_bodies(const std::vector<SceneBody>& bodies, Session& session);
+
+// The files that a scene writes beside its pictures: [output].
+
+/// A volume of what a step of finite elements says of its elements.
+struct ElementOutput {
+  FemQuantity quantity;
+  std::string path;
+  std::string table;  // in which it stands, as errors call it
+};
+
+struct SceneOutput {
+  std::string state;
+  bool refers = false;  // the state to its volume, in place of holding what did not move
+  std::vector<std::string> offsets;        // resample-direction warps
+  std::vector<std::string> displacements;  // material-direction warps
+  std::vector<std::string> volumes;        // resampled volumes
+  std::vector<ElementOutput> elements;     // of the last step of finite elements
+  std::string forces;                      // a table (.csv) of forces on handles and shapes by step
+  std::string motion;                      // a table (.csv) of the last step with a motion in time
+
+  std::vector<std::string> all() const;
+};
+
+/// Throws InputError as Table.
+SceneOutput read_output(Table& table);
 
 struct Scene {
   std::string file;

@@ -12,6 +12,11 @@
 
 namespace supple::tools {
 
+// Small pictures at the size of the view.
+
+/// Stretches an image to that size, linear between pixels.
+Image enlarged(const Image& image, int width, int height);
+
 struct ReplayOptions {
   double speed = 0;       // of the journal's times; 0: each event when the last is done
   double budget_ms = 50;  // from event to first pixels; 0: as long as it takes

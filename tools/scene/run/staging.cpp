@@ -6,7 +6,7 @@
 #include "raycast/drawings/rest_outline.h"
 #include "raycast/pictures/background.h"
 #include "raycast/scene/framing.h"
-#include "tools/scene/file/transfer_file.h"
+#include "raycast/scene/transfer_file.h"
 #include "tools/scene/run/overlay_paint.h"
 #include "tools/scene/run/space_marks.h"
 #include "volumes/base/error.h"

@@ -1,6 +1,6 @@
 #include "tools/scene/run/view_record.h"
 
-#include "tools/scene/file/transfer_file.h"
+#include "raycast/scene/transfer_file.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/json.h"

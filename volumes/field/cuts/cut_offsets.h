@@ -10,16 +10,34 @@
 // a sample in one costs.
 #pragma once
 
+#include <array>
+#include <bitset>
 #include <memory>
 #include <vector>
 
 #include "volumes/field/cuts/cut_brick.h"
 #include "volumes/field/cuts/cut_faces.h"
-#include "volumes/field/cuts/upper_nodes.h"
 #include "volumes/field/inversion/invert.h"
+#include "volumes/field/offset_field.h"
 #include "volumes/field/split_offsets.h"
 
 namespace supple {
+
+// The nodes of a lattice above a brick that are corners of its cells, as they were read last.
+
+class UpperNodes {
+ public:
+  bool are_known() const { return m_are_known; }
+  /// Reads the nodes above the brick at `origin`; returns the cells with another one than before.
+  BrickMask follow(const VectorBrickFinder& lattice, const Vec3i& origin);
+
+ private:
+  static constexpr int kCount = 9 * 9 * 9 - kBrickVoxels;
+
+  std::array<Vec3f, kCount> m_vectors;
+  std::bitset<kCount> m_valid;
+  bool m_are_known = false;
+};
 
 /// Sides that are nowhere further apart than this, in voxels, count as one.
 constexpr double kClosedCut = 1.0 / 16;

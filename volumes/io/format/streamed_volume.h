@@ -7,13 +7,26 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "volumes/io/bytes/byte_source.h"
-#include "volumes/io/format/data_parts.h"
 #include "volumes/io/format/volume_file.h"
 
 namespace supple {
+
+// The values of a volume in one file or in several, one after the other. All files are checked when
+// the volume is opened; afterwards one of them is open at a time.
+
+struct DataPart {
+  std::string path;
+  ByteRange range;
+};
+
+using DataParts = std::vector<DataPart>;
+
+/// All bytes of checked parts, from the first on.
+std::unique_ptr<ByteSource> open_parts(std::shared_ptr<const DataParts> parts);
 
 enum class StoredAxis { component, i, j, k, frame };
 

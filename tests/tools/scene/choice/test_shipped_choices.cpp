@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
-#include "tools/scene/choice/shipped_choices.h"
+#include "tools/scene/choice/chosen_method.h"
 #include "tools/scene/choice/trade_row.h"
 
 using namespace supple;

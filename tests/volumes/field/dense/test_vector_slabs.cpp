@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/field_fixtures.h"
-#include "volumes/field/dense/vector_slabs.h"
+#include "volumes/field/dense/resample.h"
 
 namespace supple::test {
 namespace {

@@ -10,8 +10,8 @@
 #include "volumes/base/parallel.h"
 #include "volumes/grid/density_grid_vdb.h"
 #include "volumes/io/load/brick_sample.h"
+#include "volumes/io/load/brick_store.h"
 #include "volumes/io/load/load.h"
-#include "volumes/io/load/slab_bricks.h"
 
 namespace supple::test {
 namespace {
