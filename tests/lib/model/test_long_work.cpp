@@ -10,6 +10,7 @@
 #include "lib/model/spring_models.h"
 #include "tests/lib/fem_fixtures.h"
 #include "tests/lib/test_bodies.h"
+#include "tests/support/sanitized.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -87,6 +88,7 @@ struct HeldCube {
 }  // namespace
 
 TEST(PropertyLongWork, FiniteElementsTellEveryIterationAndLookWithinEveryStage) {
+  LEFT_OUT_WHEN_SANITIZED();
   HeldCube cube(40);
   Listener listener;
   const std::clock_t start = std::clock();
@@ -120,6 +122,7 @@ TEST(PropertyLongWork, FiniteElementsStopAtAnyLookAndLeaveTheBodyAsItWas) {
 }
 
 TEST(PropertyLongWork, SpringsLookWithinTheirFirstStep) {
+  LEFT_OUT_WHEN_SANITIZED();
   Body body = body_of(soft_block({40, 40, 40}));
   const std::vector<Region> anchors = {Region(IndexBox{{0, 0, 0}, {39, 39, 0}})};
   Holds holds;

@@ -123,6 +123,7 @@ Body seen_by(VoxelModel& model, const Scene& scene) {
 }  // namespace
 
 TEST(PropertyModels, ThousandStepsWithAnotherModelEveryTenNeitherJumpNorDrift) {
+  LEFT_OUT_WHEN_SANITIZED();
   Scene scene({9, 5, 4});
   VoxelEcmModel(scene.held()).move({{{8, 2, 2}, {2 * kVoxel, kVoxel, 0}}}, 1, nullptr);
   Slot grabbed;
