@@ -21,6 +21,13 @@ double step_of(const Geometry& geometry, const RenderSettings& settings) {
   return settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
 }
 
+/// The piece at a place; -1 where it is void or in no pointwise brick.
+int piece_at(const PointwiseOffsets& pointwise, const Vec3d& place) {
+  const std::int32_t b = pointwise.bricks().find(floor_voxel(place));
+  PointwiseOffsets::Sample found;
+  return b >= 0 && pointwise.sample(std::size_t(b), place, found) ? found.piece : -1;
+}
+
 }  // namespace
 
 RenderContext::RenderContext(const Geometry& geometry_, const SourceBricks& source_,
@@ -71,7 +78,7 @@ Vec3f RenderContext::pull_back(const SampleBatch& batch, int lane, const Vec3d& 
   const bool is_smooth = source.interpolation() != Interpolation::linear;
   const bool is_pointwise = batch.pointwise >> lane & 1;
   if (is_smooth && (is_pointwise || (batch.split >> lane & 1))) {
-    const std::int32_t piece = is_pointwise ? batch.piece[lane] : output.piece_at(x);
+    const std::int32_t piece = is_pointwise ? batch.piece[lane] : piece_at(*output.pointwise(), x);
     if (piece >= 0) {
       return Vec3f(output.pointwise()->pull_back_smoothly(piece, x, y, Vec3d(gradient)));
     }
@@ -81,7 +88,7 @@ Vec3f RenderContext::pull_back(const SampleBatch& batch, int lane, const Vec3d& 
   }
   if (!(batch.bent >> lane & 1)) return gradient;
   Vec3f pulled;
-  if (is_smooth && output.pull_back_smoothly(x, gradient, pulled)) return pulled;
+  if (is_smooth && pull_back_smoothly(output, x, gradient, pulled)) return pulled;
   const float* node = tables.offsets + std::int64_t(batch.offset_node[lane]) * 3;
   return pull_back_gradient(
       {node, batch.ox[lane], batch.oy[lane], batch.oz[lane], tables.offset_dim}, gradient);

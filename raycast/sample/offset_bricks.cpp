@@ -71,10 +71,60 @@ void keep_every_second(const float* all, float* out) {
   }
 }
 
+/// True if the brick at an origin has valid voxels, and all source voxels that its cells touch are
+/// valid.
+bool is_covered(const BrickTopology& source, const Vec3i& origin, const BrickTopology& valid) {
+  if (valid.find(origin) < 0) return false;
+  for (int n = 0; n < 8; ++n) {
+    const Vec3i corner = origin + cell_corner(n) * kBrickDim;
+    const std::int32_t wanted = source.find(corner), given = valid.find(corner);
+    if (wanted < 0) continue;
+    if (given < 0) return false;
+    if (!holds(valid.mask(std::size_t(given)), source.mask(std::size_t(wanted)))) return false;
+  }
+  return true;
+}
+
 Float4 load(const float* p) {
   Float4 v;
   std::memcpy(&v, p, sizeof v);
   return v;
+}
+
+/// Nodes per voxel along an axis.
+double nodes_per_voxel(const OffsetBricks& bricks) {
+  return double(bricks.node_dim() - 1) / kBrickDim;
+}
+
+/// The offset at a place; false where it is void.
+bool offset_at(const OffsetBricks& bricks, const Vec3d& place, Vec3f& offset) {
+  const std::int32_t found = bricks.find(floor_voxel(place));
+  if (found < 0) return false;
+  const auto b = std::size_t(found);
+  if (bricks.is_identity(b)) {
+    offset = Vec3f(0.0F);
+    return true;
+  }
+  if (bricks.is_pointwise(b)) {
+    PointwiseOffsets::Sample sample;
+    const std::size_t n = bricks.pointwise_brick(b);
+    if (!bricks.pointwise()->sample(n, place, sample)) return false;
+    offset = Vec3f(sample.offset);
+    return true;
+  }
+  if (!bricks.is_deformed(b)) return false;
+  const Vec3d at = (place - Vec3d(bricks.index().origin(b))) * nodes_per_voxel(bricks);
+  const Vec3i cell(int(at.x), int(at.y), int(at.z));
+  const float* node = bricks.node(b, cell);
+  const int sz = 3, sy = sz * bricks.node_dim(), sx = sy * bricks.node_dim();
+  Float4 corners[8];
+  for (int n = 0; n < 8; ++n) {
+    corners[n] = load(node + (n & 4 ? sx : 0) + (n & 2 ? sy : 0) + (n & 1 ? sz : 0));
+  }
+  const Vec3f in(at - Vec3d(cell));
+  const Float4 value = derivatives_of(corners, in.x, in.y, in.z).value;
+  offset = {value[0], value[1], value[2]};
+  return offset.x == offset.x;
 }
 
 }  // namespace
@@ -164,7 +214,7 @@ void OffsetBricks::take_over(const VectorBricks& offsets) {
   const bool is_same = offsets.topology == source;
   parallel_for(m_index.count(), [&](std::size_t b) {
     if (near.find(m_index.origin(b)) >= 0) return;
-    if (!is_same && !is_covered(b, offsets.topology)) return;
+    if (!is_same && !is_covered(source, m_index.origin(b), offsets.topology)) return;
     m_states[b] = kIdentity;
     m_ranges[b] = range_beneath(b);
     const std::int32_t n = offsets.topology.find(m_index.origin(b));
@@ -177,20 +227,6 @@ void OffsetBricks::take_over(const VectorBricks& offsets) {
   }
   gather(rest, finder_of(offsets));
   join_valid();
-}
-
-/// True if brick b has valid voxels, and all source voxels that its cells touch are valid.
-bool OffsetBricks::is_covered(std::size_t b, const BrickTopology& valid) const {
-  for (int n = 0; n < 8; ++n) {
-    const Vec3i origin = m_index.origin(b) + cell_corner(n) * kBrickDim;
-    const std::int32_t source = m_source->topology().find(origin), given = valid.find(origin);
-    if (n == 0 && given < 0) return false;
-    if (source < 0) continue;
-    if (given < 0) return false;
-    const BrickMask& wanted = m_source->topology().mask(std::size_t(source));
-    if (!holds(valid.mask(std::size_t(given)), wanted)) return false;
-  }
-  return true;
 }
 
 void OffsetBricks::gather(const std::vector<std::size_t>& bricks,
@@ -314,64 +350,26 @@ void OffsetBricks::find_pointwise_ranges(const std::vector<std::size_t>& bricks)
   });
 }
 
-/// The piece at a place of a pointwise brick; -1 where the place is void or not pointwise.
-int OffsetBricks::piece_at(const Vec3d& place) const {
-  const std::int32_t b = m_pointwise->bricks().find(floor_voxel(place));
-  PointwiseOffsets::Sample found;
-  return b >= 0 && m_pointwise->sample(std::size_t(b), place, found) ? found.piece : -1;
-}
-
-bool OffsetBricks::offset_at(const Vec3d& place, Vec3f& offset) const {
-  const Vec3i voxel(int(std::floor(place.x)), int(std::floor(place.y)), int(std::floor(place.z)));
-  const std::int32_t b = find(voxel);
-  if (b < 0) return false;
-  if (is_identity(std::size_t(b))) {
-    offset = Vec3f(0.0F);
-    return true;
-  }
-  if (is_pointwise(std::size_t(b))) {
-    PointwiseOffsets::Sample found;
-    if (!m_pointwise->sample(pointwise_brick(std::size_t(b)), place, found)) return false;
-    offset = Vec3f(found.offset);
-    return true;
-  }
-  if (!is_deformed(std::size_t(b))) return false;
-  const Vec3d at = (place - Vec3d(m_index.origin(std::size_t(b)))) / double(m_node_spacing);
-  const Vec3i cell(int(at.x), int(at.y), int(at.z));
-  const float* node = this->node(std::size_t(b), cell);
-  const int sz = 3, sy = sz * node_dim(), sx = sy * node_dim();
-  Float4 corners[8];
-  for (int n = 0; n < 8; ++n) {
-    corners[n] = load(node + (n & 4 ? sx : 0) + (n & 2 ? sy : 0) + (n & 1 ? sz : 0));
-  }
-  const Vec3f in(at - Vec3d(cell));
-  const Float4 value = derivatives_of(corners, in.x, in.y, in.z).value;
-  offset = {value[0], value[1], value[2]};
-  return offset.x == offset.x;
-}
-
-bool OffsetBricks::pull_back_smoothly(const Vec3d& place, const Vec3f& gradient,
-                                      Vec3f& pulled) const {
-  pulled = gradient;
-  for (int a = 0; a < 3; ++a) {
-    Vec3d half(0.0);
-    half[a] = 0.5 * m_node_spacing;
-    Vec3f below, above;
-    if (!offset_at(place - half, below) || !offset_at(place + half, above)) return false;
-    pulled[a] += (above - below).dot(gradient) / float(m_node_spacing);
-  }
-  return true;
-}
-
-std::size_t OffsetBricks::deformed_count() const {
-  return std::size_t(std::count_if(m_states.begin(), m_states.end(),
-                                   [](std::int32_t state) { return state >= kDeformed; }));
-}
-
 std::size_t OffsetBricks::bytes() const {
   return m_index.bytes() + (m_states.capacity() + m_beneath.capacity()) * sizeof(std::int32_t) +
          m_ranges.capacity() * sizeof(EncodedRange) + m_valid.capacity() * sizeof(IndexBox) +
          m_offsets.bytes();
+}
+
+bool pull_back_smoothly(const OffsetBricks& bricks, const Vec3d& place, const Vec3f& gradient,
+                        Vec3f& pulled) {
+  const double per_voxel = nodes_per_voxel(bricks);
+  pulled = gradient;
+  for (int a = 0; a < 3; ++a) {
+    Vec3d half(0.0);
+    half[a] = 0.5 / per_voxel;
+    Vec3f below, above;
+    if (!offset_at(bricks, place - half, below) || !offset_at(bricks, place + half, above)) {
+      return false;
+    }
+    pulled[a] += (above - below).dot(gradient) * float(per_voxel);
+  }
+  return true;
 }
 
 Vec3f pull_back_gradient(const NodeCell& cell, const Vec3f& gradient) {

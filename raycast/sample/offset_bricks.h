@@ -43,8 +43,6 @@ class OffsetBricks {
   bool is_pointwise(std::size_t b) const { return m_states[b] <= kPointwise; }
   /// The pointwise offsets; null: there are no pointwise bricks.
   const PointwiseOffsets* pointwise() const { return m_pointwise.get(); }
-  /// The pointwise offsets' piece that lies at a place of a pointwise brick, or -1.
-  int piece_at(const Vec3d& place) const;
   /// Number of a pointwise brick among the bricks of the pointwise offsets.
   std::size_t pointwise_brick(std::size_t b) const { return std::size_t(kPointwise - m_states[b]); }
   /// For each pointwise brick, its place among offsets(), or -1, and its cells in which these are
@@ -65,26 +63,19 @@ class OffsetBricks {
   const float* node(std::size_t b, const Vec3i& local) const {
     return m_offsets.at(slot(b)) + 3 * ((local.x * node_dim() + local.y) * node_dim() + local.z);
   }
-  /// (I + grad o)^T g at a place of the index frame, with differences of the trilinear offset half
-  /// a cell to both sides: derivatives that do not jump where cells meet, for about six times the
-  /// cost of pull_back_gradient(). Not beside a jump. False where some of it is void.
-  bool pull_back_smoothly(const Vec3d& place, const Vec3f& gradient, Vec3f& pulled) const;
   /// Encoded densities that samples in brick b can read, wherever their offsets lead.
   const EncodedRange& range(std::size_t b) const { return m_ranges[b]; }
   /// Smallest box of voxels that holds every offset given, extrapolated ones left out.
   const IndexBox& valid_bounds() const { return m_valid_bounds; }
 
-  std::size_t deformed_count() const;
   std::size_t bytes() const;
 
  private:
   static constexpr std::int32_t kIdentity = -1, kEmpty = -2, kPointwise = -3;
   static constexpr std::int32_t kDeformed = 0;  // or more
 
-  bool offset_at(const Vec3d& place, Vec3f& offset) const;
   std::size_t add_brick(const Vec3i& origin);
   void take_over(const VectorBricks& offsets);
-  bool is_covered(std::size_t b, const BrickTopology& valid) const;
   void join_valid();
   void gather(const std::vector<std::size_t>& bricks, const VectorBrickFinder& offsets);
   std::int32_t gather_brick(std::size_t b, const VectorBrickFinder& offsets);
@@ -109,6 +100,12 @@ class OffsetBricks {
   std::vector<std::int32_t> m_pointwise_slots;
   std::vector<BrickMask> m_interpolated;
 };
+
+/// (I + grad o)^T g at a place of the index frame, with differences of the trilinear offset half
+/// a cell to both sides: derivatives that do not jump where cells meet, for about six times the
+/// cost of pull_back_gradient(). Not beside a jump. False where some of it is void.
+bool pull_back_smoothly(const OffsetBricks& bricks, const Vec3d& place, const Vec3f& gradient,
+                        Vec3f& pulled);
 
 /// A place in a cell of a deformed brick.
 struct NodeCell {

@@ -44,9 +44,9 @@ OpenScene::OpenScene(const Table& root, double budget_ms, const ViewSettings& se
       m_settings(settings),
       m_live(root, &outlets.progress),
       m_loop(m_live, frame_for(settings, budget_ms), *this, outlets.console, &outlets.progress),
+      m_description(m_live, picture(), m_settings),
       m_budget_ms(budget_ms) {
   m_settings.slices = default_slices(picture().opened());
-  m_state_parts = parts_of(picture().opened());
   for (const LiveEvent& event : m_live.events()) {
     m_live.carry_out(event, &outlets.progress);
     while (m_live.has_more()) m_live.go_on(&outlets.progress);
@@ -79,7 +79,7 @@ void OpenScene::begin_outside() {
 }
 
 void OpenScene::page_left(int page, double at_ms) {
-  if (!m_live.grabbed() || m_live.grabbed()->page != page) return;
+  if (!m_live.hand().grab || m_live.hand().grab->page != page) return;
   LiveEvent event;
   event.kind = EventKind::release;
   event.restore = true;
@@ -108,7 +108,7 @@ void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
 void OpenScene::stop(const std::vector<LiveEvent>& given_up) {
   m_live.stop();
   for (LiveEvent event : given_up) {
-    if (event.kind != EventKind::release || !m_live.grabbed()) continue;
+    if (event.kind != EventKind::release || !m_live.hand().grab) continue;
     event.no_relax = true;
     m_live.carry_out(event);
   }
@@ -116,23 +116,20 @@ void OpenScene::stop(const std::vector<LiveEvent>& given_up) {
 
 /// Paints over the picture in space while an overlay or the outline is asked for there.
 void OpenScene::choose_painter() {
-  const bool paints = has_overlay() && m_settings.slices.overlay_in_space;
-  const bool outlines = m_settings.slices.outline_in_space;
+  const SliceSettings& slices = m_settings.slices;
+  const bool paints = slices.overlay != FieldOverlay::none && slices.overlay_in_space;
+  const bool outlines = slices.outline_in_space;
   if (!outlines) m_rest_outline.reset();
   if (!paints && !outlines) return picture().paint_with({});
   const State& opened = picture().opened();
   if (outlines && !m_rest_outline) m_rest_outline.emplace(opened.elements, opened.geometry);
-  picture().paint_with([this, paints](FloatImage& seen, const Camera& camera) {
-    if (paints) paint_overlay(seen, camera);
+  picture().paint_with([this, paints, &opened](FloatImage& seen, const Camera& camera) {
+    if (const RestPlaceAt rest = paints ? picture().rest_places(false) : nullptr) {
+      const OverlayField field(m_settings.slices.overlay, m_live.session(), opened, rest);
+      paint_values(seen, camera, field.paint(overlay_range()), opened.geometry);
+    }
     if (m_rest_outline && m_settings.deformed) m_rest_outline->draw(seen, camera);
   });
-}
-
-void OpenScene::paint_overlay(FloatImage& seen, const Camera& camera) {
-  const RestPlaceAt rest = picture().rest_places(false);
-  if (!rest) return;
-  const OverlayField field(m_settings.slices.overlay, m_live.session(), picture().opened(), rest);
-  paint_values(seen, camera, field.paint(overlay_range()), picture().opened().geometry);
 }
 
 void OpenScene::begins() {
@@ -242,7 +239,7 @@ bool OpenScene::draw_next_pane() {
 SlicePane OpenScene::pane_of(int view, const PixelSize& size, const RestPlaceAt& rest, int every) {
   const SliceSettings& slices = m_settings.slices;
   std::optional<OverlayField> field;
-  if (has_overlay() && rest) {
+  if (slices.overlay != FieldOverlay::none && rest) {
     field.emplace(slices.overlay, m_live.session(), picture().opened(), rest);
   }
   return draw_pane(picture().opened(), slices, view - 1, size, rest, field ? &*field : nullptr,
@@ -264,13 +261,15 @@ ScalarRange OpenScene::overlay_range() {
 
 /// True if the pages may hear of the scene: ten times a second are enough while a hand drags.
 bool OpenScene::may_tell() const {
-  return !m_live.grabbed() || std::chrono::steady_clock::now() - m_told > kTellScenesEvery;
+  return !m_live.hand().grab || std::chrono::steady_clock::now() - m_told > kTellScenesEvery;
 }
 
 void OpenScene::tell_scene() {
   m_is_told = true;
   m_told = std::chrono::steady_clock::now();
-  m_outlets.pages.tell_scene(description(), m_number);
+  const bool has_overlay = m_settings.slices.overlay != FieldOverlay::none;
+  const ScalarRange range = has_overlay ? overlay_range() : ScalarRange();
+  m_outlets.pages.tell_scene(m_description.told(m_is_moving, range), m_number);
 }
 
 }  // namespace supple::tools

@@ -6,15 +6,12 @@
 #include <string>
 
 #include "raycast/drawings/rest_outline.h"
-#include "raycast/scene/transfer_function.h"
 #include "tools/console/console.h"
 #include "tools/scene/live/live_loop.h"
-#include "tools/scene/live/state_parts.h"
 #include "tools/viewer/frame_encoder.h"
 #include "tools/viewer/kept_sessions.h"
 #include "tools/viewer/page_progress.h"
-#include "tools/viewer/view_settings.h"
-#include "volumes/base/value.h"
+#include "tools/viewer/scene_json.h"
 
 namespace supple::tools {
 
@@ -52,7 +49,7 @@ class OpenScene final : public LoopWatcher {
   /// Begins CT without a given look with the skin: bone hides where soft tissue moves.
   void begin_outside();
   /// Notes what was assumed when the scene was opened, which the pages tell.
-  void assume(const std::string& text) { m_assumed = text; }
+  void assume(const std::string& text) { m_description.assume(text); }
   /// Notes that a file holds all that was done.
   void saved() {
     if (m_kept) m_kept->saved();
@@ -66,13 +63,7 @@ class OpenScene final : public LoopWatcher {
   PageProgress& progress() { return m_outlets.progress; }
   Console& console() { return m_outlets.console; }
 
-  /// The message `scene`, but for `event`, which each page counts for itself. While the body is
-  /// being moved, it is described as it was.
-  Value description();
-  Value slices_json();
   void tell_scene();
-  /// Range of the values that the overlay shows.
-  ScalarRange overlay_range();
   /// Draws a slice as the settings ask for it.
   SlicePane pane_of(int view, const PixelSize& size, const RestPlaceAt& rest, int every);
 
@@ -89,37 +80,27 @@ class OpenScene final : public LoopWatcher {
   bool has_later_work() const override { return !m_is_told; }
   bool draw_next_pane();
   bool may_tell() const;
-  const ScalarRange& densities();
-  Value body_description();
-  bool has_overlay() const { return m_settings.slices.overlay != FieldOverlay::none; }
   void choose_painter();
-  void paint_overlay(FloatImage& seen, const Camera& camera);
+  ScalarRange overlay_range();
   FrameMessage frame_of(int view, double ms) const;
 
   SceneOutlets m_outlets;
   ViewSettings m_settings;
   LiveSession m_live;
   LiveLoop m_loop;
+  SceneDescription m_description;
   std::unique_ptr<KeptJournal> m_kept;
-  std::string m_assumed;
-  std::optional<StateParts> m_state_parts;  // of a state that was opened
   std::uint64_t m_number = 0;
   double m_budget_ms;
   /// State of panes: 0 up to date, 1 to be drawn exactly, 2 to be drawn in haste and then exactly.
   std::array<int, kViewCount> m_stale{};
-  std::optional<ScalarRange> m_range;
-  std::optional<ScalarRange> m_densities;     // once they were asked for
+  std::optional<ScalarRange> m_range;         // of the values that the overlay shows
   std::optional<RestOutline> m_rest_outline;  // while it is drawn in space
-  Value m_body_told;                          // of description(), as it was before the body moved
   Value m_warned_model;                       // keys of an expensive one that was refused once
   bool m_is_told = false;
   bool m_is_moving = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body
   std::chrono::steady_clock::time_point m_told;
 };
-
-/// A transfer function as the message `presets` has it.
-Value transfer_json(const TransferFunction& function);
-Value camera_json(const Camera& camera);
 
 }  // namespace supple::tools

@@ -134,8 +134,8 @@ Value cut_json(const Value& keys, const CutSurface* surface, const State& state,
 
 }  // namespace
 
-Value handles_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
-                   const State& state, const Displacement& moved) {
+Value handles_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                   const Displacement& moved) {
   Value handles = Value::list();
   for (const Value& keys : of_state.handles) {
     const auto middle = middle_of(keys);
@@ -148,13 +148,13 @@ Value handles_json(const LiveSession& live, const HeldParts& held, const StatePa
     if (!middle) continue;
     Value& handle = handles.push_back(held_json("grab", held.handles[n].placed->keys));
     add_places(handle, *middle, state, moved);
-    if (live.can_let_go_of_one()) handle["number"] = n + 1;
+    if (!held.has_others) handle["number"] = n + 1;
   }
   return handles;
 }
 
-Value anchors_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
-                   const State& state, const Displacement& moved) {
+Value anchors_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                   const Displacement& moved) {
   Value anchors = Value::list();
   for (const Value& keys : of_state.anchors) {
     Value& anchor = anchors.push_back(held_json("anchor", keys));
@@ -166,19 +166,19 @@ Value anchors_json(const LiveSession& live, const HeldParts& held, const StatePa
     Value& anchor = anchors.push_back(held_json("anchor", part.keys));
     const auto middle = middle_of(part, state.geometry);
     if (middle) add_places(anchor, *middle, state, moved);
-    if (live.can_let_go_of_one()) anchor["number"] = n + 1;
+    if (!held.has_others) anchor["number"] = n + 1;
   }
   return anchors;
 }
 
-Value cuts_json(const std::vector<LiveSession::DoneStep>& done, const StateParts& of_state,
-                const State& state, const Displacement& moved) {
+Value cuts_json(const std::vector<DoneStep>& done, const StateParts& of_state, const State& state,
+                const Displacement& moved) {
   Value cuts = Value::list();
   for (const StateParts::Cut& cut : of_state.cuts) {
     cuts.push_back(cut_json(cut.keys, cut.surface ? &*cut.surface : nullptr, state, moved));
   }
   std::size_t number = 0;
-  for (const LiveSession::DoneStep& step : done) {
+  for (const DoneStep& step : done) {
     if (step.step.cuts.empty()) continue;
     const Value& all = step.step.keys["cut"];
     for (std::size_t n = 0; n < all.size(); ++n) {

@@ -10,11 +10,11 @@ namespace supple::tools {
 
 /// Numbered as a release counts them, where one can be let go of; those of the state that was
 /// opened have no number, and its handles hold nothing. Handles without a middle are not listed.
-Value handles_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
-                   const State& state, const Displacement& moved);
-Value anchors_json(const LiveSession& live, const HeldParts& held, const StateParts& of_state,
-                   const State& state, const Displacement& moved);
-Value cuts_json(const std::vector<LiveSession::DoneStep>& done, const StateParts& of_state,
-                const State& state, const Displacement& moved);
+Value handles_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                   const Displacement& moved);
+Value anchors_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                   const Displacement& moved);
+Value cuts_json(const std::vector<DoneStep>& done, const StateParts& of_state, const State& state,
+                const Displacement& moved);
 
 }  // namespace supple::tools

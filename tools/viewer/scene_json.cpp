@@ -1,15 +1,13 @@
-// The message `scene`: all that the page's panels show.
+#include "tools/viewer/scene_json.h"
+
 #include <algorithm>
 
 #include "lib/session/step_model.h"
-#include "tools/scene/live/held_parts.h"
 #include "tools/scene/live/step_texts.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
-#include "tools/viewer/open_scene.h"
 #include "tools/viewer/page_queries.h"
 #include "tools/viewer/parts_json.h"
-#include "volumes/base/value.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple::tools {
@@ -65,7 +63,7 @@ Value history_json(const std::vector<History::Entry>& entries) {
   return list;
 }
 
-Value drag_json(const LiveSession::LedDrag& led) {
+Value drag_json(const LiveHand::Led& led) {
   constexpr double kWholeMm = 1e-3;
   const bool is_whole = (led.asked - led.reached).length() < kWholeMm;
   Value json = {{"asked", led.asked}, {"reached", led.reached}, {"moved", led.moved}};
@@ -84,8 +82,6 @@ Value memory_json(const Session& session, const LivePicture::Memory& memory) {
           part("undo", session.undo_bytes(), "bricks that steps changed, as they were before")};
 }
 
-}  // namespace
-
 Value camera_json(const Camera& camera) {
   Value json = {
       {"projection", camera.projection == Projection::perspective ? "perspective" : "orthographic"},
@@ -99,6 +95,22 @@ Value camera_json(const Camera& camera) {
   }
   return json;
 }
+
+/// The settings of slices, with the colours of an overlay and the range of its values.
+Value shown_slices(const SliceSettings& slices, const ScalarRange& range) {
+  Value json = slices_json(slices);
+  if (slices.overlay == FieldOverlay::none) return json;
+  json["overlay_range"] = {range.lo, range.hi};
+  for (int n = 0; n < 16; ++n) {
+    Value& colour = json["overlay_colours"].push_back({});
+    for (const double c : value_colour(colours_of(slices.overlay), n / 15.)) {
+      colour.push_back(int(std::lround(255 * c)));
+    }
+  }
+  return json;
+}
+
+}  // namespace
 
 Value transfer_json(const TransferFunction& function) {
   Value colours = Value::list();
@@ -122,9 +134,16 @@ Value transfer_json(const TransferFunction& function) {
   return json;
 }
 
+SceneDescription::SceneDescription(LiveSession& live, LivePicture& picture,
+                                   const ViewSettings& settings)
+    : m_live(live),
+      m_picture(picture),
+      m_settings(settings),
+      m_state_parts(parts_of(picture.opened())) {}
+
 /// Range of the densities of the elements and their surroundings.
-const ScalarRange& OpenScene::densities() {
-  const DensityGrid& density = picture().opened().density;
+const ScalarRange& SceneDescription::densities() {
+  const DensityGrid& density = m_picture.opened().density;
   if (m_densities) return *m_densities;
   float lo = density.background(), hi = lo;
   for (std::size_t b = 0; b < density.bricks().brick_count(); ++b) {
@@ -137,24 +156,9 @@ const ScalarRange& OpenScene::densities() {
   return *m_densities;
 }
 
-Value OpenScene::slices_json() {
-  const SliceSettings& slices = m_settings.slices;
-  Value json = supple::tools::slices_json(slices);
-  if (slices.overlay == FieldOverlay::none) return json;
-  const ScalarRange range = overlay_range();
-  json["overlay_range"] = {range.lo, range.hi};
-  for (int n = 0; n < 16; ++n) {
-    Value& colour = json["overlay_colours"].push_back({});
-    for (const double c : value_colour(colours_of(slices.overlay), n / 15.)) {
-      colour.push_back(int(std::lround(255 * c)));
-    }
-  }
-  return json;
-}
-
-Value OpenScene::description() {
-  if (!m_is_moving) m_body_told = body_description();
-  const SceneView& view = picture().view();
+Value SceneDescription::told(bool is_moving, const ScalarRange& overlay_range) {
+  if (!is_moving) m_body_told = body();
+  const SceneView& view = m_picture.view();
   Value clips = Value::list();
   for (const ClipChoice& clip : view.clips) clips.push_back(clip_json(clip));
   Value scene = m_body_told;
@@ -162,21 +166,20 @@ Value OpenScene::description() {
                    {"preset", view.transfer ? "" : view.preset},
                    {"transfer", transfer_json(look_of(view))},
                    {"clips", clips}};
-  scene["slices"] = slices_json();
+  scene["slices"] = shown_slices(m_settings.slices, overlay_range);
   scene["deformed"] = m_settings.deformed;
   return scene;
 }
 
-Value OpenScene::body_description() {
-  const State& state = picture().opened();
+Value SceneDescription::body() {
+  const State& state = m_picture.opened();
   const Session& session = m_live.session();
-  const HeldParts held = held_parts(m_live.done());
+  const HeldParts held = m_live.held();
   // A release lets go of what the state has held; its cuts stay.
-  const std::vector<LiveSession::DoneStep>& done = m_live.done();
+  const std::vector<DoneStep>& done = m_live.history().done;
   const bool was_released =
-      std::any_of(done.begin(), done.end(),
-                  [](const LiveSession::DoneStep& step) { return step.step.release; });
-  const StateParts of_state = was_released ? StateParts() : *m_state_parts;
+      std::any_of(done.begin(), done.end(), [](const DoneStep& step) { return step.step.release; });
+  const StateParts of_state = was_released ? StateParts() : m_state_parts;
   Value scene;
   scene["volume"] = volume_json(m_live.scene(), state, densities());
   if (!m_assumed.empty()) {
@@ -186,17 +189,18 @@ Value OpenScene::body_description() {
                        " voxels are tissue";
   }
   scene["grab"] = nullptr;
-  if (const auto& grab = m_live.grabbed()) {
+  const LiveHand& hand = m_live.hand();
+  if (const auto& grab = hand.grab) {
     Value event = {{"kind", name_of(grab->kind)}};
     event.update(keys_of(*grab));
-    scene["grab"] = {{"event", event}, {"reached", m_live.reached()}, {"page", grab->page}};
+    scene["grab"] = {{"event", event}, {"reached", hand.reached}, {"page", grab->page}};
   }
-  if (const auto& led = m_live.led()) scene["drag"] = drag_json(*led);
-  const Displacement& moved = picture().displacement();
-  scene["handles"] = handles_json(m_live, held, of_state, state, moved);
-  scene["anchors"] = anchors_json(m_live, held, of_state, state, moved);
-  scene["cuts"] = cuts_json(m_live.done(), *m_state_parts, state, moved);
-  const History history = history_of(m_live);
+  if (hand.led) scene["drag"] = drag_json(*hand.led);
+  const Displacement& moved = m_picture.displacement();
+  scene["handles"] = handles_json(held, of_state, state, moved);
+  scene["anchors"] = anchors_json(held, of_state, state, moved);
+  scene["cuts"] = cuts_json(done, m_state_parts, state, moved);
+  const History history = history_of(m_live.history());
   scene["undo"] = history_json(history.done);
   scene["redo"] = history_json(history.undone);
   const char* const limits[] = {"box", "ball", "tighten"};
@@ -212,7 +216,7 @@ Value OpenScene::body_description() {
     scene["moved"] = report.moved;
     scene["fraction"] = report.fraction();
   }
-  scene["memory"] = memory_json(session, picture().memory());
+  scene["memory"] = memory_json(session, m_picture.memory());
   scene["warnings"] = session.messages();
   return scene;
 }

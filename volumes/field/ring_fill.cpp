@@ -223,7 +223,7 @@ std::vector<std::int32_t> refill_rings(VectorBricks& field, const RingOrder& ord
       Vec3f* const own = field.vectors.touch(b);
       if (order.last(b) < number) return;
       BrickMask ring = number == order.rings() ? topology.mask(b) : order.before(number + 1, b);
-      for (int word = 0; word < 8; ++word) ring[word] &= ~order.before(number, b)[word];
+      take_out(order.before(number, b), ring);
       if (!any_bit(ring)) return;
       const Surroundings around = surroundings_of(topology, b);
       const auto mask_of = [&](std::int32_t m) -> const BrickMask& {

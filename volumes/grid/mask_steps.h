@@ -52,6 +52,9 @@ inline void add(const BrickMask& other, BrickMask& mask) {
 inline void keep(const BrickMask& other, BrickMask& mask) {
   for (std::size_t word = 0; word < mask.size(); ++word) mask[word] &= other[word];
 }
+inline void take_out(const BrickMask& other, BrickMask& mask) {
+  for (std::size_t word = 0; word < mask.size(); ++word) mask[word] &= ~other[word];
+}
 
 /// The voxels of a brick at which a cell begins whose eight corners are set; `of`: the masks of the
 /// brick and of those above it, as cell_corner() numbers them.

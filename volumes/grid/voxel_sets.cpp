@@ -85,9 +85,7 @@ BrickTopology subtract(const BrickTopology& a, const BrickTopology& b) {
     if (other >= 0 && b.mask(std::size_t(other)) == a.mask(n)) continue;
     origins.push_back(a.origin(n));
     masks.push_back(a.mask(n));
-    if (other < 0) continue;
-    for (std::size_t word = 0; word < 8; ++word)
-      masks.back()[word] &= ~b.mask(std::size_t(other))[word];
+    if (other >= 0) take_out(b.mask(std::size_t(other)), masks.back());
   }
   return {std::move(origins), std::move(masks)};
 }

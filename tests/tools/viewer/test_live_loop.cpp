@@ -32,7 +32,7 @@ class Intruder final : public LoopWatcher {
     m_mailbox.post(event(std::exchange(m_keys, {})));
   }
   void went_on() override { ++slices; }
-  void carried_out(const LiveEvent&) override { done_before = int(m_live.done().size()); }
+  void carried_out(const LiveEvent&) override { done_before = int(m_live.history().done.size()); }
   bool refused(const LiveEvent&, const std::string& why) override {
     refusals += why;
     return true;
@@ -72,7 +72,7 @@ class UnitLiveLoop : public ::testing::Test {
     return watcher;
   }
   void carry_out(const std::string& keys) { m_live->carry_out(event(keys), nullptr); }
-  bool is_solved() const { return m_live->done().back().step.fem.has_value(); }
+  bool is_solved() const { return m_live->history().done.back().step.fem.has_value(); }
 
   TemporaryFolder m_folder;
   Console m_console{GlobalOptions()};
@@ -224,8 +224,8 @@ TEST_F(UnitLiveLoop, FiniteElementsGiveWayToAnEventOfTheBodyForGood) {
   const Intruder seen = run_with("kind = \"undo\"");
   EXPECT_EQ(seen.slices, 1);
   EXPECT_FALSE(is_solved());
-  EXPECT_EQ(m_live->done().size(), 1U);
-  EXPECT_EQ(m_live->undone().size(), 1U);
+  EXPECT_EQ(m_live->history().done.size(), 1U);
+  EXPECT_EQ(m_live->history().undone.size(), 1U);
   EXPECT_EQ(seen.refusals, "");
 }
 

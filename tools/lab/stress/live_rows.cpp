@@ -182,10 +182,10 @@ void run_live(const StressInput& input, const std::string& folder, Console& cons
   for (const StepRecord& record : live.session().records()) moved += double(record.report.moved);
   const std::string last = hash_of(live.session().state());
   const bool is_replayed = replayed_hash(live.journal(), folder, console) == last;
-  while (!live.done().empty()) {
-    const std::size_t left = live.done().size();
+  while (!live.history().done.empty()) {
+    const std::size_t left = live.history().done.size();
     live.carry_out(event_of("kind = \"undo\"\n", input.operations), &console);
-    if (live.done().size() == left) break;  // older steps are not kept
+    if (live.history().done.size() == left) break;  // older steps are not kept
   }
   const bool is_back = hash_of(live.session().state()) == start;
   const double most_refused = 0.8 * input.operations;

@@ -35,10 +35,11 @@ void add_parts(const Step& step, HeldParts& parts) {
 
 }  // namespace
 
-HeldParts held_parts(const std::vector<LiveSession::DoneStep>& done) {
+HeldParts held_parts(const std::vector<DoneStep>& done, bool is_state_anchored) {
   HeldParts parts;
+  parts.has_others = is_state_anchored;
   int last_stroke = -1;
-  for (const LiveSession::DoneStep& step : done) {
+  for (const DoneStep& step : done) {
     const bool is_same_drag = step.kind == EventKind::drag && step.stroke == last_stroke;
     last_stroke = step.stroke;
     if (!is_same_drag) add_parts(step.step, parts);

@@ -1,38 +1,75 @@
-// The part of a live session that takes steps back, makes them again, and takes out one of them.
-
+// The part of a live session that takes steps and looks back, makes them again, and takes out one
+// of the cuts.
 #include "lib/session/step_model.h"
-#include "tools/scene/live/live_session.h"
+#include "tools/scene/live/live_record.h"
 
 namespace supple::tools {
 
-/// Number of the next step's stroke. It follows from the events as a journal has them, in which a
-/// relaxation is as many as it had slices, and what settles drags is a step of its own.
-int LiveSession::stroke_of(EventKind kind, const Step& step) {
-  const bool follows_its_kind = !m_done.empty() && m_done.back().kind == kind;
+namespace {
+
+/// Looks or clips that follow each other so soon are one step: a point that is dragged, a slider.
+constexpr double kOneLookMs = 1000;
+
+/// Moves the last of one list to the end of another.
+template <class Done>
+void hand_over(std::vector<Done>& from, std::vector<Done>& to) {
+  to.push_back(std::move(from.back()));
+  from.pop_back();
+}
+
+}  // namespace
+
+int LiveHistory::stroke_of(EventKind kind, const Step& step) {
+  const bool follows_its_kind = !done.empty() && done.back().kind == kind;
   const bool settles = step.turn_pieces || (model_of(step).waits_for_hands && step.drags.empty());
-  if (settles && !m_done.empty() && m_done.back().kind == EventKind::drag) {
-    return m_done.back().stroke;
+  if (settles && !done.empty() && done.back().kind == EventKind::drag) return done.back().stroke;
+  if (kind == EventKind::relax && follows_its_kind) return done.back().stroke;
+  if (kind != EventKind::drag) return ++stroke;
+  const bool goes_on = follows_its_kind && done.back().stroke == hand_stroke;
+  if (!goes_on) hand_stroke = ++stroke;
+  return hand_stroke;
+}
+
+/// Records the last of cameras in a row alone, and of looks or clips the last of one step.
+void LiveSession::change_view(const LiveEvent& event) {
+  const Value before = m_view->part(event.kind);
+  m_view->set_part(event.kind, event.view, event.place);
+  LiveEvent carried_out = event;
+  carried_out.view = m_view->part(event.kind);
+  const bool follows_its_kind = event.kind == m_journal->last();
+  if (event.kind == EventKind::camera) return m_journal->add(carried_out, follows_its_kind);
+  m_history.undone_looks.clear();
+  std::vector<DoneLook>& looks = m_history.looks;
+  const bool goes_on = !looks.empty() && looks.back().kind == event.kind &&
+                       looks.back().order == m_history.order &&
+                       event.at_ms <= looks.back().at_ms + kOneLookMs;
+  if (goes_on) {
+    looks.back().at_ms = event.at_ms;
+    looks.back().after = carried_out.view;
+  } else {
+    looks.push_back({event.kind, ++m_history.order, event.at_ms, before, carried_out.view});
   }
-  if (kind == EventKind::relax && follows_its_kind) return m_done.back().stroke;
-  if (kind != EventKind::drag) return ++m_stroke;
-  const bool goes_on = follows_its_kind && m_done.back().stroke == m_grab_stroke;
-  if (!goes_on) m_grab_stroke = ++m_stroke;
-  return m_grab_stroke;
+  m_journal->add(carried_out, goes_on && follows_its_kind);
 }
 
 /// Takes one step back; false where none is left.
 bool LiveSession::take_back() {
-  if (m_done.empty() || !m_session->undo()) return false;
-  m_reached = m_done.back().reached_before;
-  m_undone.push_back(std::move(m_done.back()));
-  m_done.pop_back();
+  if (m_history.done.empty() || !m_session->undo()) return false;
+  m_hand.reached = m_history.done.back().reached_before;
+  hand_over(m_history.done, m_history.undone);
   return true;
 }
 
-void LiveSession::take_back(bool whole_stroke, bool looks) {
-  if ((looks && take_look_back()) || !take_back()) return;
-  const int stroke = m_undone.back().stroke;
-  while (whole_stroke && !m_done.empty() && m_done.back().stroke == stroke && take_back()) {
+void LiveSession::undo(const LiveEvent& event) {
+  std::vector<DoneLook>& looks = m_history.looks;
+  const std::vector<DoneStep>& done = m_history.done;
+  if (event.looks && !looks.empty() && (done.empty() || done.back().order < looks.back().order)) {
+    m_view->set_part(looks.back().kind, looks.back().before);
+    return hand_over(looks, m_history.undone_looks);
+  }
+  if (!take_back()) return;
+  const int stroke = m_history.undone.back().stroke;
+  while (event.all && !done.empty() && done.back().stroke == stroke && take_back()) {
   }
 }
 
@@ -40,34 +77,42 @@ void LiveSession::take_back(bool whole_stroke, bool looks) {
 /// further, or less far, but nothing is grabbed then that would count on where they got to.
 void LiveSession::make_again(const DoneStep& done, Progress* progress) {
   m_session->step(done.step, progress);
-  m_reached = done.reached;
-  m_done.push_back(done);
+  m_hand.reached = done.reached;
+  m_history.done.push_back(done);
 }
 
-void LiveSession::make_again(bool whole_stroke, bool looks, Progress* progress) {
-  if ((looks && make_look_again()) || m_undone.empty()) return;
-  const int stroke = m_undone.back().stroke;
+void LiveSession::redo(const LiveEvent& event, Progress* progress) {
+  std::vector<DoneLook>& looks = m_history.undone_looks;
+  std::vector<DoneStep>& undone = m_history.undone;
+  if (event.looks && !looks.empty() &&
+      (undone.empty() || looks.back().order < undone.back().order)) {
+    m_view->set_part(looks.back().kind, looks.back().after);
+    return hand_over(looks, m_history.looks);
+  }
+  if (undone.empty()) return;
+  const int stroke = undone.back().stroke;
   do {
-    make_again(m_undone.back(), progress);
-    m_undone.pop_back();
-  } while (whole_stroke && !m_undone.empty() && m_undone.back().stroke == stroke);
+    make_again(undone.back(), progress);
+    undone.pop_back();
+  } while (event.all && !undone.empty() && undone.back().stroke == stroke);
 }
 
 void LiveSession::take_out_cut(const LiveEvent& event, Progress* progress) {
-  std::size_t cuts = 0, at = m_done.size(), place = 0;
-  for (std::size_t n = 0; n < m_done.size(); ++n) {
-    const std::size_t own = m_done[n].step.cuts.size();
-    if (at == m_done.size() && cuts + own >= std::size_t(event.cut)) {
+  const std::vector<DoneStep>& done = m_history.done;
+  std::size_t cuts = 0, at = done.size(), place = 0;
+  for (std::size_t n = 0; n < done.size(); ++n) {
+    const std::size_t own = done[n].step.cuts.size();
+    if (at == done.size() && cuts + own >= std::size_t(event.cut)) {
       at = n;
       place = std::size_t(event.cut) - 1 - cuts;
     }
     cuts += own;
   }
-  if (at == m_done.size()) {
+  if (at == done.size()) {
     throw InputError({event.place, "cut", std::to_string(event.cut),
                       "one of " + std::to_string(cuts) + " that there are, from 1"});
   }
-  const std::vector<DoneStep> before(m_done.begin() + std::ptrdiff_t(at), m_done.end());
+  const std::vector<DoneStep> before(done.begin() + std::ptrdiff_t(at), done.end());
   if (m_session->undo_steps() < before.size()) {
     throw InputError(
         {event.place, "cut", std::to_string(before.size()) + " steps since it",
@@ -79,9 +124,9 @@ void LiveSession::take_out_cut(const LiveEvent& event, Progress* progress) {
   cutting.step.keys["cut"].erase(place);
   if (cutting.step.cuts.empty()) cutting.step.keys.erase("cut");
   if (cutting.step.does_nothing()) steps.erase(steps.begin());
-  const std::vector<DoneStep> undone = m_undone;
+  const std::vector<DoneStep> undone = m_history.undone;
   const auto take_back_to_it = [&] {
-    while (m_done.size() > at) take_back();
+    while (done.size() > at) take_back();
   };
   take_back_to_it();
   try {
@@ -89,11 +134,11 @@ void LiveSession::take_out_cut(const LiveEvent& event, Progress* progress) {
   } catch (...) {
     take_back_to_it();
     for (const DoneStep& step : before) make_again(step, nullptr);
-    m_undone = undone;
+    m_history.undone = undone;
     throw;
   }
-  m_undone.clear();
-  m_grab.reset();
+  m_history.undone.clear();
+  m_hand.grab.reset();
 }
 
 }  // namespace supple::tools

@@ -105,7 +105,7 @@ void LiveLoop::run(EventMailbox& mailbox) {
   while (!m_leaves) {
     poll(&m_listener);
     const bool rests = m_gave_way && is_soon_after(kRest, mailbox);
-    const bool moves = m_live.grabbed() && is_soon_after(kStill, mailbox);
+    const bool moves = m_live.hand().grab && is_soon_after(kStill, mailbox);
     const bool may_go_on = m_live.has_more() && !rests;
     const bool may_refine = !m_picture.settled() && !moves;
     const bool has_turn = may_go_on && m_looked && !mailbox.moves_wait();

@@ -1,9 +1,6 @@
-// Records of a live session: a journal of its events, as they happen and as a whole, and a scene of
-// the steps that have not been taken back.
-#include <filesystem>
+#include "tools/scene/live/live_record.h"
 
-#include "tools/scene/file/scene.h"
-#include "tools/scene/live/live_session.h"
+#include <filesystem>
 
 namespace supple::tools {
 
@@ -46,31 +43,30 @@ Value keys_of_event(const LiveEvent& event) {
 
 }  // namespace
 
-void LiveSession::read_head(const Table& root) {
-  m_admits = root.admits();
-  m_head = head_of(root.written(), m_scene);
+LiveJournal::LiveJournal(const Table& root, const Scene& scene)
+    : m_head(head_of(root.written(), scene)) {}
+
+void LiveJournal::add(const LiveEvent& event, bool replaces_last) {
+  if (replaces_last) m_events.pop_back();
+  m_events.push_back(keys_of_event(event));
+  m_last = event.kind;
+  if (m_recorder) m_recorder(m_events.back(), replaces_last);
 }
 
-void LiveSession::record(const LiveEvent& event, bool replaces_last) {
-  if (replaces_last) m_carried_out.pop_back();
-  m_carried_out.push_back(keys_of_event(event));
-  m_last_recorded = event.kind;
-  if (m_recorder) m_recorder(m_carried_out.back(), replaces_last);
-}
-
-Value LiveSession::journal() const {
+Value LiveJournal::written(const LiveView& view) const {
   Value journal = m_head;
-  journal["view"].push_back(m_first_view_keys);
-  for (const Value& event : m_carried_out) journal["event"].push_back(event);
+  journal["view"].push_back(view.first_keys());
+  for (const Value& event : m_events) journal["event"].push_back(event);
   return journal;
 }
 
-Value LiveSession::batch_scene() const {
+Value LiveJournal::batch_scene(const std::vector<DoneStep>& steps, const LiveView& view,
+                               bool refers) const {
   Value scene = m_head;
-  for (const DoneStep& done : m_done) scene["step"].push_back(done.step.keys);
-  scene["view"].push_back(m_view_keys)["size"] = m_view.size;
+  for (const DoneStep& done : steps) scene["step"].push_back(done.step.keys);
+  scene["view"].push_back(view.keys())["size"] = view.shown().size;
   scene["output"] = {{"state", "live.vdb"}};
-  if (m_scene.output.refers) scene["output"]["refer"] = true;
+  if (refers) scene["output"]["refer"] = true;
   return scene;
 }
 

@@ -4,11 +4,10 @@
 #include <filesystem>
 
 #include "lib/session/step_model.h"
-#include "tools/scene/file/scene.h"
 #include "tools/scene/live/held_parts.h"
+#include "tools/scene/live/live_record.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
-#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -36,52 +35,55 @@ bool has_anchors(const State& state) {
   return !state.anchors.empty() || !state.anchor_labels.empty() || !state.anchor_selections.empty();
 }
 
-}  // namespace
-
-struct LiveSession::Opened {
-  Scene scene;
-  SceneView view;
-};
-
-LiveSession::LiveSession(const Table& root, Progress* progress)
-    : m_opened(std::make_unique<Opened>(Opened{read_scene(root), {}})),
-      m_scene(m_opened->scene),
-      m_view(m_opened->view) {
-  for (const std::string& line : m_scene.warnings) warn(progress, line);
-  if (!m_scene.warp_path.empty() || !m_scene.path.empty() || m_scene.film) {
-    throw InputError({m_scene.file, "", "a warp, path or film", "a body that events move"});
-  }
-  read_head(root);
-  choose_view(root, progress);
-  read_events(root);
-  const SessionOptions options{m_scene.material, m_scene.labels_path, m_scene.read, true};
-  require_memory_to_open(m_scene, progress);
-  m_session = std::make_unique<Session>(m_scene.volume_path, options, progress);
-  add_bodies(m_scene.bodies, *m_session);
-  if (m_session->geometry().dims().z == 1) {
-    throw InputError({m_scene.volume_path, "", "one slice", "a volume of several slices"});
-  }
-  const bool is_state = std::filesystem::path(m_scene.volume_path).extension() == ".vdb";
-  m_is_state_anchored = is_state && has_anchors(m_session->state());
+/// A hand that holds something is one page's; what no page holds is anybody's to go on with.
+void require_own_grab(std::optional<LiveEvent>& grab, const LiveEvent& event) {
+  const bool is_of_hand = event.kind == EventKind::grab || event.kind == EventKind::push ||
+                          event.kind == EventKind::drag || event.kind == EventKind::release;
+  if (!grab || !is_of_hand || event.page == 0) return;
+  if (grab->page == 0) grab->page = event.page;
+  if (grab->page == event.page) return;
+  throw InputError({event.place, name_of(event.kind), "a handle that another page holds",
+                    "it when that page has let go"});
 }
 
-LiveSession::~LiveSession() = default;
-
-void LiveSession::read_events(const Table& whole) {
-  Table root = whole;
-  for (Table& table : root.tables("event")) {
-    m_events.push_back(read_event(table, m_scene.label_names));
-  }
-  if (!m_events.empty() && !m_scene.steps.empty()) {
-    throw InputError({m_scene.steps.front().place, "step", "a step beside events",
+/// The events of a journal; of a scene its steps, each as one event.
+std::vector<LiveEvent> events_of(const Scene& scene, Table root) {
+  std::vector<LiveEvent> events;
+  for (Table& table : root.tables("event")) events.push_back(read_event(table, scene.label_names));
+  if (!events.empty() && !scene.steps.empty()) {
+    throw InputError({scene.steps.front().place, "step", "a step beside events",
                       "events of a journal, or steps of a scene"});
   }
-  for (const Step& step : m_scene.steps) {
-    LiveEvent& event = m_events.emplace_back();
+  for (const Step& step : scene.steps) {
+    LiveEvent& event = events.emplace_back();
     event.place = step.place;
     event.step = step;
   }
+  return events;
 }
+
+}  // namespace
+
+LiveSession::LiveSession(const Table& root, Progress* progress)
+    : m_scene(std::make_unique<const Scene>(read_scene(root))) {
+  for (const std::string& line : m_scene->warnings) warn(progress, line);
+  if (!m_scene->warp_path.empty() || !m_scene->path.empty() || m_scene->film) {
+    throw InputError({m_scene->file, "", "a warp, path or film", "a body that events move"});
+  }
+  m_journal = std::make_unique<LiveJournal>(root, *m_scene);
+  m_view = std::make_unique<LiveView>(*m_scene, root, progress);
+  m_events = events_of(*m_scene, root);
+  const SessionOptions options{m_scene->material, m_scene->labels_path, m_scene->read, true};
+  require_memory_to_open(*m_scene, progress);
+  m_session = std::make_unique<Session>(m_scene->volume_path, options, progress);
+  add_bodies(m_scene->bodies, *m_session);
+  if (m_session->geometry().dims().z == 1) {
+    throw InputError({m_scene->volume_path, "", "one slice", "a volume of several slices"});
+  }
+  m_is_state_anchored = is_state_file(m_scene->volume_path) && has_anchors(m_session->state());
+}
+
+LiveSession::~LiveSession() = default;
 
 void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
   try {
@@ -94,19 +96,8 @@ void LiveSession::carry_out(const LiveEvent& event, Progress* progress) {
   }
 }
 
-/// A hand that holds something is one page's; what no page holds is anybody's to go on with.
-void LiveSession::require_own_grab(const LiveEvent& event) {
-  const bool is_of_hand = event.kind == EventKind::grab || event.kind == EventKind::push ||
-                          event.kind == EventKind::drag || event.kind == EventKind::release;
-  if (!m_grab || !is_of_hand || event.page == 0) return;
-  if (m_grab->page == 0) m_grab->page = event.page;
-  if (m_grab->page == event.page) return;
-  throw InputError({event.place, name_of(event.kind), "a handle that another page holds",
-                    "it when that page has let go"});
-}
-
 void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
-  require_own_grab(event);
+  require_own_grab(m_hand.grab, event);
   if (event.is_of_view()) {
     change_view(event);
     return;
@@ -119,10 +110,8 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       asked.drags.front().placed->by = Vec3d(0);
       check_places(asked, m_session->geometry());
       m_session->check(asked);
-      m_grab = event;
-      m_reached = Vec3d(0);
-      m_led.reset();
-      m_grab_stroke = ++m_stroke;
+      m_hand = {event, Vec3d(0), {}};
+      m_history.hand_stroke = ++m_history.stroke;
       break;
     }
     case EventKind::drag:
@@ -144,28 +133,28 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       m_limits = event.limits;
       break;
     case EventKind::undo:
-      take_back(event.all, event.looks);
+      undo(event);
       break;
     case EventKind::redo:
-      make_again(event.all, event.looks, progress);
+      redo(event, progress);
       break;
     default:
       run(event.kind, event.step, progress);
   }
-  record(event);
+  m_journal->add(event);
 }
 
 /// Drags from where the handle has got to, so that one that an anchor stopped follows at once when
 /// it is led back.
 void LiveSession::drag(const LiveEvent& event, Progress* progress) {
-  if (!m_grab) {
+  if (!m_hand.grab) {
     throw InputError({event.place, "drag", "nothing that is grabbed", "grab or push before it"});
   }
-  const Vec3d by = event.to - m_reached;
+  const Vec3d by = event.to - m_hand.reached;
   if (by == Vec3d(0)) return;
   Step step;
   step.place = event.place;
-  step.drags = m_grab->step.drags;
+  step.drags = m_hand.grab->step.drags;
   Drag& handle = step.drags.front();
   handle.placed->by = by;
   Value handle_keys = handle.placed->keys;
@@ -184,15 +173,15 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
     step.keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
   }
   check_places(step, m_session->geometry());
-  const Vec3d before = m_reached;
+  const Vec3d before = m_hand.reached;
   run(event.kind, step, progress);
   const StepRecord& record = m_session->records().back();
-  m_reached = before + way_done(record, by);
-  const std::int64_t moved = m_led ? m_led->moved : 0;
-  m_led = {event.to, m_reached, record.contact.parts < kContactParts,
-           std::max(moved, record.report.moved)};
-  m_done.back().reached_before = before;
-  m_done.back().reached = m_reached;
+  m_hand.reached = before + way_done(record, by);
+  const std::int64_t moved = m_hand.led ? m_hand.led->moved : 0;
+  m_hand.led = {event.to, m_hand.reached, record.contact.parts < kContactParts,
+                std::max(moved, record.report.moved)};
+  m_history.done.back().reached_before = before;
+  m_history.done.back().reached = m_hand.reached;
 }
 
 /// Lets go; then finite elements take over, or pieces that were dragged along turn and tissue
@@ -200,7 +189,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
 void LiveSession::release(const LiveEvent& event, Progress* progress) {
   LiveEvent carried_out = event;
   const auto is_last_a_drag = [&] {
-    return m_grab && !m_done.empty() && m_done.back().stroke == m_grab_stroke;
+    return m_hand.grab && !m_history.done.empty() &&
+           m_history.done.back().stroke == m_history.hand_stroke;
   };
   const bool was_dragged = is_last_a_drag();
   while (event.restore && is_last_a_drag() && take_back()) {
@@ -217,12 +207,12 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     run(event.kind, step, progress);
   }
   if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, is_unsettled, progress);
-  m_grab.reset();
+  m_hand.grab.reset();
   const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
                        m_session->material().relaxes && !m_model && m_limits != Limits::ball;
   m_is_unsettled = is_unsettled && !lets_go && !event.no_relax;
   carried_out.no_relax = event.no_relax || relaxes || m_is_unsettled;
-  record(carried_out);
+  m_journal->add(carried_out);
   if (!relaxes) return;
   LiveEvent relaxation;
   relaxation.kind = EventKind::relax;
@@ -234,10 +224,8 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   m_pending = relaxation.step.relax->passes;
 }
 
-bool LiveSession::can_let_go_of_one() const {
-  const bool was_released = std::any_of(m_done.begin(), m_done.end(),
-                                        [](const DoneStep& done) { return done.step.release; });
-  return (!m_is_state_anchored || was_released) && !held_parts(m_done).has_others;
+HeldParts LiveSession::held() const {
+  return held_parts(m_history.done, m_is_state_anchored);
 }
 
 /// A session lets go of everything; what stays is held and fixed again in the same step.
@@ -245,13 +233,13 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
   const bool is_handle = event.handle > 0;
   const char* const field = is_handle ? "handle" : "anchor";
   const int number = is_handle ? event.handle : event.anchor;
-  HeldParts parts = held_parts(m_done);
+  HeldParts parts = held();
   const std::size_t count = is_handle ? parts.handles.size() : parts.anchors.size();
   if (std::size_t(number) > count) {
     throw InputError({event.place, field, std::to_string(number),
                       "one of " + std::to_string(count) + " that there are, from 1"});
   }
-  if (!can_let_go_of_one()) {
+  if (parts.has_others) {
     throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
                       "all, which lets go of everything"});
   }
@@ -268,9 +256,10 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
 
 void LiveSession::run(EventKind kind, const Step& step, Progress* progress) {
   m_session->step(step, progress);
-  m_undone.clear();
-  m_undone_looks.clear();
-  m_done.push_back({kind, stroke_of(kind, step), ++m_order, step, m_reached, m_reached});
+  m_history.undone.clear();
+  m_history.undone_looks.clear();
+  m_history.done.push_back({kind, m_history.stroke_of(kind, step), ++m_history.order, step,
+                            m_hand.reached, m_hand.reached});
 }
 
 /// Handles are held where the drags left them.
@@ -286,7 +275,7 @@ void LiveSession::settle_drags(Progress* progress) {
   }
   run(event.kind, event.step, progress);
   m_is_unsettled = false;
-  record(event);
+  m_journal->add(event);
 }
 
 void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) {
@@ -300,7 +289,7 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
   run(event.kind, step, progress);
   const RelaxReport& done = m_session->records().back().relaxed;
   m_pending = done.end == RelaxEnd::passes ? passes - slice.step.relax->passes : 0;
-  record(slice);
+  m_journal->add(slice);
   m_relaxation = event;
   double& budget = m_relaxation->step.relax->budget_million;
   if (budget <= 0) return;
@@ -317,6 +306,26 @@ void LiveSession::go_on(Progress* progress) {
 void LiveSession::stop() {
   m_pending = 0;
   m_is_unsettled = false;
+}
+
+const SceneView& LiveSession::view() const {
+  return m_view->shown();
+}
+
+void LiveSession::begin_with_look(const std::string& preset) {
+  m_view->begin_with_look(preset);
+}
+
+void LiveSession::record_with(Recorder recorder) {
+  m_journal->record_with(std::move(recorder));
+}
+
+Value LiveSession::journal() const {
+  return m_journal->written(*m_view);
+}
+
+Value LiveSession::batch_scene() const {
+  return m_journal->batch_scene(m_history.done, *m_view, m_scene->output.refers);
 }
 
 const StepModel& LiveSession::model() const {

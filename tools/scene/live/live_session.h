@@ -20,11 +20,59 @@ struct StepModel;  // lib/session/step_model.h
 
 namespace supple::tools {
 
+struct HeldParts;  // held_parts.h
+class LiveJournal;
+class LiveView;
 struct Scene;
 struct SceneView;
 
 /// Passes of relaxation after which a new event may come; a relaxation of more is as many events.
 constexpr int kSlicePasses = 5;
+
+/// A step of the session, and where its handle had been before. Steps of one stroke, drags
+/// since a grab or slices of relaxation in a row, are undone together where that is asked for.
+struct DoneStep {
+  EventKind kind;
+  int stroke;
+  int order;  // among steps, looks and clips
+  Step step;
+  Vec3d reached_before;
+  Vec3d reached;
+};
+
+/// A look or clips, and what they replaced: keys of that part of the view.
+struct DoneLook {
+  EventKind kind;
+  int order;
+  double at_ms;
+  Value before, after;
+};
+
+/// Steps, looks and clips of a session; the last of those that are undone is redone first.
+struct LiveHistory {
+  std::vector<DoneStep> done, undone;
+  std::vector<DoneLook> looks, undone_looks;
+  int order = 0;                    // of the last step, look or clip
+  int stroke = 0, hand_stroke = 0;  // the last number of all; of the drags since the grab
+
+  /// Numbers the next step's stroke. It follows from the events as a journal has them, in which a
+  /// relaxation is as many as it had slices, and what settles drags is a step of its own.
+  int stroke_of(EventKind kind, const Step& step);
+};
+
+/// The part of the body that is grabbed or was grabbed last, and where it is; places as `to`
+/// counts.
+struct LiveHand {
+  /// Aim of the last drag, and where it led.
+  struct Led {
+    Vec3d asked{0, 0, 0}, reached{0, 0, 0};
+    bool by_cut = false;     // the sides of a cut stopped it
+    std::int64_t moved = 0;  // elements, at most by one drag since the grab
+  };
+  std::optional<LiveEvent> grab;
+  Vec3d reached{0, 0, 0};
+  std::optional<Led> led;
+};
 
 class LiveSession {
  public:
@@ -51,53 +99,21 @@ class LiveSession {
   int passes_left() const { return m_pending; }
 
   Session& session() { return *m_session; }
-  const Scene& scene() const { return m_scene; }
+  const Scene& scene() const { return *m_scene; }
   /// The view that the events so far ask for.
-  const SceneView& view() const { return m_view; }
+  const SceneView& view() const;
   /// The look that a session begins with whose file has none, as if the file had it.
   void begin_with_look(const std::string& preset);
 
   /// Gets every event that is carried out from now on, with the keys that a journal has; one that
   /// replaces the last says all that that one did.
   using Recorder = std::function<void(const Value& keys, bool replaces_last)>;
-  void record_with(Recorder recorder) { m_recorder = std::move(recorder); }
+  void record_with(Recorder recorder);
 
-  /// A step of the session, and where its handle had been before. Steps of one stroke, drags
-  /// since a grab or slices of relaxation in a row, are undone together where that is asked for.
-  struct DoneStep {
-    EventKind kind;
-    int stroke;
-    int order;  // among steps, looks and clips
-    Step step;
-    Vec3d reached_before;
-    Vec3d reached;
-  };
-  const std::vector<DoneStep>& done() const { return m_done; }
-  /// The last is redone first.
-  const std::vector<DoneStep>& undone() const { return m_undone; }
-  /// A look or clips, and what they replaced: keys of that part of the view.
-  struct DoneLook {
-    EventKind kind;
-    int order;
-    double at_ms;
-    Value before, after;
-  };
-  const std::vector<DoneLook>& looks() const { return m_looks; }
-  const std::vector<DoneLook>& undone_looks() const { return m_undone_looks; }
-  /// The grabbed part, and how far it has come, as `to` counts.
-  const std::optional<LiveEvent>& grabbed() const { return m_grab; }
-  const Vec3d& reached() const { return m_reached; }
-  /// Aim of the last drag for what is or was grabbed last, and where it led it; counted as
-  /// `to`.
-  struct LedDrag {
-    Vec3d asked{0, 0, 0}, reached{0, 0, 0};
-    bool by_cut = false;     // the sides of a cut stopped it
-    std::int64_t moved = 0;  // elements, at most by one drag since the grab
-  };
-  const std::optional<LedDrag>& led() const { return m_led; }
-  /// True if one handle or anchor may be let go of while others stay: not beside fixed labels and
-  /// points, nor where the opened state fixes elements.
-  bool can_let_go_of_one() const;
+  const LiveHistory& history() const { return m_history; }
+  const LiveHand& hand() const { return m_hand; }
+  /// Handles and anchors that can be let go of one by one.
+  HeldParts held() const;
   Limits limits() const { return m_limits; }
   const StepModel& model() const;
 
@@ -107,10 +123,6 @@ class LiveSession {
   Value batch_scene() const;
 
  private:
-  void read_head(const Table& root);
-  void read_events(const Table& root);
-  void choose_view(const Table& root, Progress* progress);
-  void require_own_grab(const LiveEvent& event);
   void act_on(const LiveEvent& event, Progress* progress);
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
@@ -118,40 +130,23 @@ class LiveSession {
   void take_out_cut(const LiveEvent& event, Progress* progress);
   void run(EventKind kind, const Step& step, Progress* progress);
   void settle_drags(Progress* progress);
-  int stroke_of(EventKind kind, const Step& step);
-  bool take_back();
-  void take_back(bool whole_stroke, bool looks);
-  void make_again(const DoneStep& done, Progress* progress);
-  void make_again(bool whole_stroke, bool looks, Progress* progress);
   void relax(const LiveEvent& event, int passes, Progress* progress);
-  void record(const LiveEvent& event, bool replaces_last = false);
   void change_view(const LiveEvent& event);
-  void set_part_of_view(EventKind kind, const Value& part, const std::string& place);
-  bool take_look_back();
-  bool make_look_again();
+  bool take_back();
+  void undo(const LiveEvent& event);
+  void make_again(const DoneStep& done, Progress* progress);
+  void redo(const LiveEvent& event, Progress* progress);
 
-  struct Opened;
-  std::unique_ptr<Opened> m_opened;
-  Scene& m_scene;
-  SceneView& m_view;
-  Table::Admits m_admits;  // asks before files are read that events name
-  Value m_head;            // the file without steps, events and outputs, paths absolute
+  std::unique_ptr<const Scene> m_scene;
+  std::unique_ptr<LiveView> m_view;
+  std::unique_ptr<LiveJournal> m_journal;
   std::vector<LiveEvent> m_events;
-  std::vector<Value> m_carried_out;
-  EventKind m_last_recorded = EventKind::step;
-  Recorder m_recorder;
   std::unique_ptr<Session> m_session;
-  bool m_is_state_anchored = false;      // the opened state fixes elements
-  Value m_view_keys, m_first_view_keys;  // the latter as opened
-  std::optional<LiveEvent> m_grab;
-  std::optional<LiveEvent> m_model;     // of another model than ECM
-  int m_stroke = 0, m_grab_stroke = 0;  // the last number of all; of the drags since the grab
-  Vec3d m_reached{0, 0, 0};             // by the handle that is grabbed, as `to` counts
-  std::optional<LedDrag> m_led;
+  bool m_is_state_anchored = false;  // the opened state fixes elements
+  LiveHistory m_history;
+  LiveHand m_hand;
+  std::optional<LiveEvent> m_model;  // of another model than ECM
   Limits m_limits = Limits::box;
-  std::vector<DoneStep> m_done, m_undone;
-  std::vector<DoneLook> m_looks, m_undone_looks;
-  int m_order = 0;  // of the last step, look or clips
   std::optional<LiveEvent> m_relaxation;
   int m_pending = 0;
   bool m_is_unsettled = false;

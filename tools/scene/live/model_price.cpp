@@ -1,5 +1,6 @@
 #include "tools/scene/live/model_price.h"
 
+#include "tools/scene/file/scene.h"
 #include "tools/scene/plan/model_plan.h"
 
 namespace supple::tools {

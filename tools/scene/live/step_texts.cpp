@@ -12,8 +12,8 @@ namespace supple::tools {
 
 namespace {
 
-using Steps = std::vector<LiveSession::DoneStep>;
-using Looks = std::vector<LiveSession::DoneLook>;
+using Steps = std::vector<DoneStep>;
+using Looks = std::vector<DoneLook>;
 
 std::string mm_text(double mm) {
   char text[32];
@@ -28,7 +28,7 @@ std::string list_text(const Value& list) {
   return text;
 }
 
-std::string drag_text(const LiveSession::DoneStep& first, const Vec3d& way) {
+std::string drag_text(const DoneStep& first, const Vec3d& way) {
   const bool is_push = first.step.drags.front().pushes;
   const std::size_t handles = first.step.drags.size();
   std::string text = std::string(is_push ? "push " : "drag ") + mm_text(std::sqrt(way.dot(way)));
@@ -37,7 +37,7 @@ std::string drag_text(const LiveSession::DoneStep& first, const Vec3d& way) {
   return has_own_model(first.step) ? text + " by " + model_of(first.step).title : text;
 }
 
-std::string cut_text(const LiveSession::DoneStep& done) {
+std::string cut_text(const DoneStep& done) {
   const std::size_t cuts = done.step.cuts.size();
   if (cuts != 1) return std::to_string(cuts) + " cuts";
   const Value& cut = done.step.keys["cut"];
@@ -53,9 +53,9 @@ std::string release_text(const Step& step) {
   return kept == 0 ? "let go of everything" : "let go of one, " + std::to_string(kept) + " stay";
 }
 
-int relaxation_passes(const std::vector<const LiveSession::DoneStep*>& stroke) {
+int relaxation_passes(const std::vector<const DoneStep*>& stroke) {
   int passes = 0;
-  for (const LiveSession::DoneStep* done : stroke) {
+  for (const DoneStep* done : stroke) {
     if (done->step.relax) passes += done->step.relax->passes;
   }
   return passes;
@@ -67,7 +67,7 @@ std::string anchor_text(const Step& step) {
 }
 
 /// Names a step of a scene by what it does first.
-std::string scene_step_text(const LiveSession::DoneStep& done) {
+std::string scene_step_text(const DoneStep& done) {
   const Step& step = done.step;
   if (step.release) return release_text(step);
   if (!step.cuts.empty()) return cut_text(done);
@@ -86,17 +86,17 @@ std::string scene_step_text(const LiveSession::DoneStep& done) {
   return step.relax ? "relaxation" : "step";
 }
 
-std::string material_text(const LiveSession::DoneStep& done) {
+std::string material_text(const DoneStep& done) {
   const Value& material = done.step.keys["material"];
   return material.contains("preset") ? "material " + material["preset"].text()
                                      : std::string("material table");
 }
 
 /// Steps of equal strokes in a row, in the order that is given.
-using Stroke = std::vector<const LiveSession::DoneStep*>;
+using Stroke = std::vector<const DoneStep*>;
 std::vector<Stroke> strokes_of(const Steps& steps, bool from_end) {
   std::vector<Stroke> strokes;
-  const auto add = [&](const LiveSession::DoneStep& done) {
+  const auto add = [&](const DoneStep& done) {
     if (strokes.empty() || strokes.back().back()->stroke != done.stroke) strokes.emplace_back();
     strokes.back().push_back(&done);
   };
@@ -115,7 +115,7 @@ std::vector<History::Entry> entries_of(const Steps& steps, const Looks& looks, b
     ordered.push_back(
         {stroke.front()->order, {step_text(stroke), name_of(kind), int(stroke.size())}});
   }
-  for (const LiveSession::DoneLook& look : looks) {
+  for (const DoneLook& look : looks) {
     ordered.push_back({look.order, {look_text(look), name_of(look.kind), 1}});
   }
   std::stable_sort(ordered.begin(), ordered.end(),
@@ -143,11 +143,11 @@ std::string place_text(const Value& keys) {
 }
 
 std::string step_text(const Stroke& stroke) {
-  const LiveSession::DoneStep& first = *stroke.front();
+  const DoneStep& first = *stroke.front();
   switch (first.kind) {
     case EventKind::drag: {
       Vec3d way(0);
-      for (const LiveSession::DoneStep* done : stroke) {
+      for (const DoneStep* done : stroke) {
         if (done->kind == EventKind::drag) way = done->reached;
       }
       return drag_text(first, way);
@@ -169,7 +169,7 @@ std::string step_text(const Stroke& stroke) {
   }
 }
 
-std::string look_text(const LiveSession::DoneLook& look) {
+std::string look_text(const DoneLook& look) {
   if (look.kind == EventKind::clip) {
     const std::size_t clips = look.after["clip"].size();
     return clips == 0 ? "no clips" : with_count(std::int64_t(clips), "clip");
@@ -178,9 +178,9 @@ std::string look_text(const LiveSession::DoneLook& look) {
   return preset.empty() ? "look of its own" : "look " + preset;
 }
 
-History history_of(const LiveSession& live) {
-  return {entries_of(live.done(), live.looks(), false),
-          entries_of(live.undone(), live.undone_looks(), true)};
+History history_of(const LiveHistory& history) {
+  return {entries_of(history.done, history.looks, false),
+          entries_of(history.undone, history.undone_looks, true)};
 }
 
 }  // namespace supple::tools

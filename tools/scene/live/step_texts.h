@@ -10,8 +10,8 @@ namespace supple::tools {
 std::string place_text(const Value& keys);
 
 /// One line about the steps of a stroke, first to last, which are undone together.
-std::string step_text(const std::vector<const LiveSession::DoneStep*>& stroke);
-std::string look_text(const LiveSession::DoneLook& look);
+std::string step_text(const std::vector<const DoneStep*>& stroke);
+std::string look_text(const DoneLook& look);
 
 /// Strokes, looks and clips in the order in which they were done; of those that are undone the next
 /// one to be made again comes first.
@@ -23,6 +23,6 @@ struct History {
   };
   std::vector<Entry> done, undone;
 };
-History history_of(const LiveSession& live);
+History history_of(const LiveHistory& history);
 
 }  // namespace supple::tools

@@ -7,9 +7,9 @@
 
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/pictures/video.h"
-#include "tools/scene/run/drawn_view.h"
 #include "tools/scene/run/film_record.h"
 #include "tools/scene/run/frames.h"
+#include "tools/scene/run/scene_poses.h"
 #include "tools/scene/run/scene_run.h"
 
 namespace supple::tools {
@@ -30,8 +30,8 @@ int SceneRun::motion_frame(int frame) {
     solve(std::size_t(m_posed_steps));
   }
   const int last = m_scene.film->frames - 1;
-  forget_pose();
-  m_session->show_frame(std::clamp(frame, 0, last));
+  m_poses->forget();
+  m_poses->session()->show_frame(std::clamp(frame, 0, last));
   return frame;
 }
 
@@ -41,8 +41,8 @@ int SceneRun::pose_frame(int frame) {
   if (m_scene.films_motion()) return motion_frame(frame);
   const std::size_t still = m_scene.still_steps();
   if (still == m_scene.steps.size()) return 0;
-  forget_pose();
-  for (; m_posed_steps > 0; --m_posed_steps) m_session->undo();
+  m_poses->forget();
+  for (; m_posed_steps > 0; --m_posed_steps) m_poses->session()->undo();
   const double time = m_scene.film->time_of(frame);
   for (std::size_t n = still; n < m_scene.steps.size(); ++n) {
     solve(n, time);
@@ -64,7 +64,7 @@ void SceneRun::find_neighbours(int frame) {
   for (const int other : {frame - 1, frame + 1}) {
     if (m_beside.count(other) != 0) continue;
     pose_frame(other);
-    m_beside[other] = extended_displacement_of(m_session->state());
+    m_beside[other] = extended_displacement_of(m_poses->session()->state());
   }
 }
 
@@ -74,7 +74,7 @@ void SceneRun::make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& vie
   PendingFiles pictures;
   for (std::size_t n = 0; n < views.size(); ++n) {
     const SceneView& view = m_scene.views[n];
-    const Drawn drawn = drawn_after(pose, view);
+    const PosedView drawn = m_poses->drawn_after(pose, view);
     PictureWriter writer(pictures, path_of(view.image), view.picture);
     const Displacement* same = drawn.subject.displacement;  // where no step moves anything
     NeighbourFrames beside = {same, same};
@@ -82,7 +82,6 @@ void SceneRun::make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& vie
       beside = {&m_beside.at(frame - 1), &m_beside.at(frame + 1)};
     }
     views[n]->draw(drawn.subject, beside, frame, writer);
-    m_own.reset();
   }
   write_outputs(pose, frame);
   pictures.commit();
@@ -98,10 +97,9 @@ void SceneRun::run_film() {
   const int first = m_scene.film->frames_to_make.empty() ? 0 : pose_frame(0);
   for (const SceneView& view : m_scene.views) {
     if (m_scene.film->frames_to_make.empty()) break;
-    const Drawn drawn = drawn_after(first, view);
+    const PosedView drawn = m_poses->drawn_after(first, view);
     views.push_back(
         std::make_unique<FilmView>(drawn.subject, drawn.view, *m_scene.film, &m_drawn, m_progress));
-    m_own.reset();
   }
   make_folders();
   write_film_record(m_scene, m_folder);

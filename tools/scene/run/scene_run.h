@@ -4,7 +4,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +17,8 @@ namespace supple::tools {
 class FilmView;
 class OutputPlan;
 class PendingFiles;
+class ScenePoses;
 struct Scene;
-struct SceneView;
 
 /// A scene file, for programs that run it as it is. Throws InputError: unknown key (line and
 /// suggestion), wrong type or value, missing key.
@@ -69,37 +68,21 @@ class SceneRun {
   void run();
 
   /// The subject as it is now; of a volume alone geometry and densities.
-  State opened() const { return m_session ? m_session->state() : m_state; }
+  State opened() const;
   /// Seconds that opening it took.
   double open_s() const { return m_open_s; }
   /// The body; null where nothing moves.
-  const Session* session() const { return m_session.get(); }
+  const Session* session() const;
   /// Certificate of the last inversion; null where there was none.
   const InversionCertificate* certificate() const;
   /// Report of all pictures.
   const RenderReport& drawn() const { return m_drawn; }
 
  private:
-  void open();
-  void open_volume_alone();
   int last_step() const;
   std::string path_of(const std::string& name) const;
   /// Solves step n at a frame's time.
   void solve(std::size_t n, double time = kWholePaths);
-  void forget_pose();
-  bool reads_displacement_later() const;
-  void take_state(int step);
-  const Displacement& displacement(int step);
-  const Pose& deformed(int step);
-  const Pose& seen(int step);
-  const Displacement& without_inverse(const SceneView& view, int step);
-  const Pose* posed_for(SceneView& view, int step);
-  const Pose* posed_volume_for(SceneView& view);
-  bool is_all_that_reads(const SceneView& view) const;
-  Pose take_deformed();
-  struct Drawn;
-  void add_meshes(SceneView& view) const;
-  Drawn drawn_after(int step, const SceneView& view);
   void draw_views(int step);
   void make_folders() const;
   void write_outputs(int last, int frame);
@@ -116,16 +99,7 @@ class SceneRun {
   bool m_tells_reactions;
   Progress& m_progress;
   double m_open_s = 0;
-  std::unique_ptr<Session> m_session;
-  State m_state;  // of the body after a step, or of the file
-  double m_grey_lo = 0, m_grey_hi = 1;
-  bool m_is_volume = false;  // m_state holds no more than a geometry and densities
-  bool m_has_warp = false;   // which m_deformed holds
-  bool m_has_inverted = false;
-  Pose m_deformed;
-  int m_state_step = -1, m_displaced_step = -1, m_inverted_step = -1, m_seen_step = -1;
-  std::optional<Pose> m_seen;            // as the scene's path shows it
-  std::optional<Pose> m_own;             // as the path of one view does
+  std::unique_ptr<ScenePoses> m_poses;
   int m_posed_steps = 0;                 // of the session, that a frame of a film has taken
   std::map<int, Displacement> m_beside;  // of frames, for the motion of those beside them
   std::unique_ptr<PendingFiles> m_pictures;

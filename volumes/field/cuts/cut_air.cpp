@@ -52,6 +52,11 @@ LinkCuts::Place place_between(const CutPlanes::Side& low, const CutPlanes::Side&
   return LinkCuts::place_of(apart == 0 ? 0.5 : low.distance / apart);
 }
 
+bool have_moved_apart(const VectorBricks& u, const Vec3i& a, const Vec3i& b) {
+  Vec3f of_a(0), of_b(0);
+  return u.at(a, of_a) && u.at(b, of_b) && (of_a - of_b).length() > kMovedApart;
+}
+
 /// The elements in a brick of voxels and around it, and how they have moved.
 class NearElements {
  public:
@@ -92,14 +97,10 @@ bool CutBody::MoveBox::is_apart() const {
   return lo.x <= hi.x && (hi - lo).length() > kMovedApart;
 }
 
-/// Voxels of a brick that are no elements.
-BrickMask CutBody::air_of(std::size_t b) const {
-  BrickMask air = m_voxels.mask(b);
-  const std::int32_t own = m_elements.find(m_voxels.origin(b));
-  if (own < 0) return air;
-  for (std::size_t word = 0; word < air.size(); ++word) {
-    air[word] &= ~m_elements.mask(std::size_t(own))[word];
-  }
+BrickMask air_in(const BrickTopology& voxels, const BrickTopology& elements, std::size_t b) {
+  BrickMask air = voxels.mask(b);
+  const std::int32_t own = elements.find(voxels.origin(b));
+  if (own >= 0) take_out(elements.mask(std::size_t(own)), air);
   return air;
 }
 
@@ -154,11 +155,6 @@ bool CutBody::joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, boo
   return false;
 }
 
-const CutBody::Owner& CutBody::owner_of(const Vec3i& voxel, Owners& known) const {
-  const auto found = known.find(voxel);
-  return found != known.end() ? found->second : known.emplace(voxel, owner_of(voxel)).first->second;
-}
-
 /// Tells how two elements are parted: by cuts in the smallest box around them in which tissue had
 /// joined them, or only when they have moved apart, where no box does.
 CutBody::Parting CutBody::parting_of(const Vec3i& a, const Vec3i& b) const {
@@ -176,15 +172,10 @@ CutBody::Parting CutBody::parting_of(const Vec3i& a, const Vec3i& b) const {
   return Parting::when_apart;
 }
 
-bool CutBody::have_moved_apart(const VectorBricks& u, const Vec3i& a, const Vec3i& b) const {
-  Vec3f of_a(0), of_b(0);
-  return u.at(a, of_a) && u.at(b, of_b) && (of_a - of_b).length() > kMovedApart;
-}
-
 /// Voxels of the air that touch elements which have moved apart.
 BrickMask CutBody::contested_in(const VectorBricks& u, std::size_t b) const {
   BrickMask contested{};
-  const BrickMask air = air_of(b);
+  const BrickMask air = air_in(m_voxels, m_elements, b);
   if (mask_count(air) == 0) return contested;
   MoveBox around;
   for (const std::int32_t n : surroundings_of(m_voxels, b)) {
@@ -202,46 +193,17 @@ BrickMask CutBody::contested_in(const VectorBricks& u, std::size_t b) const {
   return contested;
 }
 
-/// Finds contested air; returns those of the bricks in which it has changed.
-BrickList CutBody::find_contested(const VectorBricks& u, const BrickList& around) {
-  std::vector<BrickMask> found(around.size());
-  parallel_for(around.size(),
-               [&](std::size_t n) { found[n] = contested_in(u, std::size_t(around[n])); });
-  BrickList changed;
-  for (std::size_t n = 0; n < around.size(); ++n) {
-    const auto b = std::size_t(around[n]);
-    const BrickMask before = m_bricks[b] ? m_bricks[b]->contested : BrickMask{};
-    if (found[n] == before) continue;
-    touch(b).contested = found[n];
-    changed.push_back(around[n]);
-  }
-  return changed;
-}
-
-/// Finds the air beside cut links and within a voxel of contested air. Returns the bricks in which
-/// it has changed.
-BrickList CutBody::find_air(const BrickList& bricks) {
+/// The air of a brick that is beside cut links or within a voxel of contested air.
+BrickMask CutBody::air_beside(std::size_t b) const {
   static constexpr BrickMask kNone{};
-  std::vector<BrickMask> found(bricks.size());
-  parallel_for(bricks.size(), [&](std::size_t n) {
-    const auto b = std::size_t(bricks[n]);
-    const auto contested_of = [&](std::int32_t m) -> const BrickMask& {
-      const OfBrick* const brick = m_bricks[std::size_t(m)].get();
-      return brick == nullptr ? kNone : brick->contested;
-    };
-    found[n] = dilated(masks_around(surroundings_of(m_voxels, b), contested_of));
-    keep(air_of(b), found[n]);
-    if (m_bricks[b]) add(m_bricks[b]->beside_cuts, found[n]);
-  });
-  BrickList changed;
-  for (std::size_t n = 0; n < bricks.size(); ++n) {
-    const auto b = std::size_t(bricks[n]);
-    const BrickMask before = m_bricks[b] ? m_bricks[b]->air : BrickMask{};
-    if (found[n] == before) continue;
-    touch(b).air = found[n];
-    changed.push_back(bricks[n]);
-  }
-  return changed;
+  const auto contested_of = [&](std::int32_t n) -> const BrickMask& {
+    const OfBrick* const brick = m_bricks[std::size_t(n)].get();
+    return brick == nullptr ? kNone : brick->contested;
+  };
+  BrickMask beside = dilated(masks_around(surroundings_of(m_voxels, b), contested_of));
+  keep(air_in(m_voxels, m_elements, b), beside);
+  if (m_bricks[b]) add(m_bricks[b]->beside_cuts, beside);
+  return beside;
 }
 
 /// Links between voxels of which one is in the air where links may be cut, by their lower ends.
@@ -266,17 +228,20 @@ CutBody::AxisMasks CutBody::links_in_air(std::size_t b) const {
 
 void CutBody::find_candidates(std::size_t b, const AxisMasks& links) {
   OfBrick& brick = *m_bricks[b];
-  Owners owners;
+  std::unordered_map<Vec3i, Owner, VoxelHash> owners;
+  const auto known_owner_of = [&](const Vec3i& voxel) -> const Owner& {
+    const auto found = owners.find(voxel);
+    return found != owners.end() ? found->second
+                                 : owners.emplace(voxel, owner_of(voxel)).first->second;
+  };
   for (int axis = 0; axis < 3; ++axis) {
     BrickMask missing = links[std::size_t(axis)];
-    for (std::size_t word = 0; word < missing.size(); ++word) {
-      missing[word] &= ~brick.known[std::size_t(axis)][word];
-    }
+    take_out(brick.known[std::size_t(axis)], missing);
     add(missing, brick.known[std::size_t(axis)]);
     for_each_active(missing, [&](int offset) {
       const Vec3i voxel = m_voxels.origin(b) + brick_local(offset);
-      const Owner low = owner_of(voxel, owners);
-      const Owner high = owner_of(voxel + unit_along(axis), owners);
+      const Owner low = known_owner_of(voxel);
+      const Owner high = known_owner_of(voxel + unit_along(axis));
       const Parting parting = parting_of(low.element, high.element);
       if (parting == Parting::none) return;
       brick.candidates.push_back({std::int16_t(offset), std::int8_t(axis), parting,

@@ -161,13 +161,29 @@ void CutBody::mark_beside_cuts(const BrickList& bricks) {
   }
   const BrickTopology near = dilate(BrickTopology(origins, masks), kBesideCut);
   for (const std::int32_t b : bricks) {
-    BrickMask beside = air_of(std::size_t(b));
+    BrickMask beside = air_in(m_voxels, m_elements, std::size_t(b));
     const std::int32_t n = near.find(m_voxels.origin(std::size_t(b)));
     keep(n < 0 ? BrickMask{} : near.mask(std::size_t(n)), beside);
     if (m_bricks[std::size_t(b)] || mask_count(beside) > 0) {
       touch(std::size_t(b)).beside_cuts = beside;
     }
   }
+}
+
+/// Finds a mask of these bricks again; returns those of them in which it has changed.
+template <class Find>
+BrickList CutBody::renew(BrickMask OfBrick::*mask, const BrickList& bricks, Find&& find) {
+  std::vector<BrickMask> found(bricks.size());
+  parallel_for(bricks.size(), [&](std::size_t n) { found[n] = find(std::size_t(bricks[n])); });
+  BrickList changed;
+  for (std::size_t n = 0; n < bricks.size(); ++n) {
+    const auto b = std::size_t(bricks[n]);
+    const BrickMask before = m_bricks[b] ? *m_bricks[b].*mask : BrickMask{};
+    if (found[n] == before) continue;
+    touch(b).*mask = found[n];
+    changed.push_back(bricks[n]);
+  }
+  return changed;
 }
 
 CutBody::Changes CutBody::follow(const VectorBricks& u, const BrickList& changed) {
@@ -181,8 +197,11 @@ CutBody::Changes CutBody::follow(const VectorBricks& u, const BrickList& changed
     for_each_active(m_elements.mask(std::size_t(own)),
                     [&](int offset) { m_moves[b].add(u.vectors.brick_or_zero(b)[offset]); });
   });
-  const BrickList contested = find_contested(u, around);
-  const BrickList aired = find_air(unite(with_neighbours(m_voxels, contested), newly_cut));
+  const BrickList contested =
+      renew(&OfBrick::contested, around, [&](std::size_t b) { return contested_in(u, b); });
+  const BrickList aired =
+      renew(&OfBrick::air, unite(with_neighbours(m_voxels, contested), newly_cut),
+            [&](std::size_t b) { return air_beside(b); });
   BrickList linked = unite(with_lower_neighbours(m_voxels, aired), newly_cut);
   linked = unite(linked, bricks_where(around, [&](std::size_t b) {
                    return m_bricks[b] && !m_bricks[b]->candidates.empty();

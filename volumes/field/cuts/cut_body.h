@@ -16,14 +16,12 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <unordered_map>
 #include <vector>
 
 #include "volumes/field/brick_lists.h"
 #include "volumes/field/cuts/cut_planes.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/grid/link_cuts.h"
-#include "volumes/grid/voxel_sets.h"
 
 namespace supple {
 
@@ -44,6 +42,9 @@ struct PartedCell {
     return cell == other.cell && sides == other.sides;
   }
 };
+
+/// Voxels of a brick that are no elements.
+BrickMask air_in(const BrickTopology& voxels, const BrickTopology& elements, std::size_t b);
 
 class CutBody {
  public:
@@ -117,28 +118,25 @@ class CutBody {
     void add(const MoveBox& other);
     bool is_apart() const;
   };
-  using Owners = std::unordered_map<Vec3i, Owner, VoxelHash>;
 
   Vec3i in_slice(Vec3i voxel) const;
   bool is_voxel(const Vec3i& voxel) const { return m_voxels.is_active(in_slice(voxel)); }
   const OfBrick* brick_of(const Vec3i& voxel, int& offset) const;
   OfBrick& touch(std::size_t b);
   bool is_element_cut(const Vec3i& low, int axis) const;
-  BrickMask air_of(std::size_t b) const;
   bool take_over(const LinkCuts& cuts, std::size_t element_brick);
   void fit_planes();
   void mark_beside_cuts(const BrickList& bricks);
 
   CutPlanes::Side side_of(const Vec3i& voxel) const;
   Owner owner_of(const Vec3i& voxel) const;
-  const Owner& owner_of(const Vec3i& voxel, Owners& known) const;
   bool joins(const IndexBox& box, const Vec3i& from, const Vec3i& to, bool over_cuts) const;
   Parting parting_of(const Vec3i& a, const Vec3i& b) const;
-  bool have_moved_apart(const VectorBricks& u, const Vec3i& a, const Vec3i& b) const;
 
-  BrickList find_contested(const VectorBricks& u, const BrickList& around);
+  template <class Find>
+  BrickList renew(BrickMask OfBrick::*mask, const BrickList& bricks, Find&& find);
   BrickMask contested_in(const VectorBricks& u, std::size_t b) const;
-  BrickList find_air(const BrickList& bricks);
+  BrickMask air_beside(std::size_t b) const;
   AxisMasks links_in_air(std::size_t b) const;
   void find_candidates(std::size_t b, const AxisMasks& links);
   bool cut_links_in(const VectorBricks& u, std::size_t b);

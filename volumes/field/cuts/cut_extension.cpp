@@ -92,12 +92,7 @@ BrickMask CutExtension::beside_parted(const CutBody& body, std::size_t b) const 
               beside);
     }
   }
-  keep(m_voxels.mask(b), beside);
-  if (const std::int32_t own = m_elements.find(origin); own >= 0) {
-    for (std::size_t word = 0; word < beside.size(); ++word) {
-      beside[word] &= ~m_elements.mask(std::size_t(own))[word];
-    }
-  }
+  keep(air_in(m_voxels, m_elements, b), beside);
   return beside;
 }
 

@@ -1,0 +1,40 @@
+// The message `scene`: all that the page's panels show.
+#pragma once
+
+#include "raycast/scene/transfer_function.h"
+#include "tools/scene/live/live_picture.h"
+#include "tools/scene/live/live_session.h"
+#include "tools/scene/live/state_parts.h"
+#include "tools/viewer/view_settings.h"
+
+namespace supple::tools {
+
+/// A transfer function as the message `presets` has it.
+Value transfer_json(const TransferFunction& function);
+
+class SceneDescription {
+ public:
+  /// All outlive it. No event has been carried out so far.
+  SceneDescription(LiveSession& live, LivePicture& picture, const ViewSettings& settings);
+
+  /// Notes what was assumed when the scene was opened, which the pages tell.
+  void assume(const std::string& text) { m_assumed = text; }
+  /// The message, but for `event`, which each page counts for itself. While the body is being
+  /// moved, it is described as it was.
+  /// `overlay_range`: of the values that an overlay shows.
+  Value told(bool is_moving, const ScalarRange& overlay_range);
+
+ private:
+  Value body();
+  const ScalarRange& densities();
+
+  LiveSession& m_live;
+  LivePicture& m_picture;
+  const ViewSettings& m_settings;
+  StateParts m_state_parts;  // of a state that was opened
+  std::string m_assumed;
+  std::optional<ScalarRange> m_densities;  // once they were asked for
+  Value m_body_told;                       // before the body moved
+};
+
+}  // namespace supple::tools
