@@ -24,7 +24,7 @@ std::optional<Curve> read_curve(Table& table, const std::string& key) {
 }
 
 void read_range(Table& table, const std::string& key, double& lo, double& hi) {
-  const auto values = table.numbers(key);
+  const auto values = table.get<std::vector<double>>(key);
   if (!values) return;
   if (values->size() != 2) {
     table.fail(key, std::to_string(values->size()) + " values", "two numbers [low, high]");
@@ -37,8 +37,8 @@ void read_range(Table& table, const std::string& key, double& lo, double& hi) {
 void read_active(Table& table, const MaterialTable* tissue, MaterialTable& material) {
   material.active_lo = material.domain_lo;
   material.active_hi = material.domain_hi;
-  if (table.is_string("active")) {
-    const std::string name = *table.string("active");
+  if (is_text(table.find("active"))) {
+    const std::string name = *table.get<std::string>("active");
     if (name != "foreground") table.fail("active", '"' + name + '"', "[LO, HI] or \"foreground\"");
     material.finds_foreground = true;
   } else {
@@ -51,7 +51,7 @@ void read_active(Table& table, const MaterialTable* tissue, MaterialTable& mater
 }
 
 Combine read_combine(Table& table) {
-  const std::string name = table.string("combine").value_or("density");
+  const std::string name = table.get<std::string>("combine").value_or("density");
   if (name == "density") return Combine::density;
   if (name == "limits") return Combine::limits;
   table.fail("combine", "\"" + name + "\"", "\"density\" or \"limits\"");
@@ -60,10 +60,10 @@ Combine read_combine(Table& table) {
 /// Reads true, false or "poisson".
 void read_relax(Table& table, MaterialTable& material) {
   try {
-    material.relaxes = table.boolean("relax").value_or(material.relaxes);
+    material.relaxes = table.get<bool>("relax").value_or(material.relaxes);
     material.relaxes_by_poisson = material.relaxes_by_poisson && !table.has("relax");
   } catch (const InputError&) {
-    const std::string name = table.string("relax").value_or("");
+    const std::string name = table.get<std::string>("relax").value_or("");
     if (name != "poisson") {
       table.fail("relax", '"' + name + '"', "true, false or \"poisson\"");
     }
@@ -78,18 +78,18 @@ void read_relax(Table& table, MaterialTable& material) {
 int read_components(Table& table) {
   if (!table.has("components")) return 0;
   try {
-    const std::string name = table.string("components").value_or("");
+    const std::string name = table.get<std::string>("components").value_or("");
     if (name == "all") return 0;
     if (name == "largest") return 1;
   } catch (const InputError&) {
-    const long long count = table.integer("components").value_or(0);
+    const long long count = table.get<long long>("components").value_or(0);
     if (count >= 1 && count <= 1000000) return int(count);
   }
   table.fail("components", "another value", "\"all\", \"largest\" or a count from 1");
 }
 
 int read_links(Table& table) {
-  const long long links = table.integer("links").value_or(6);
+  const long long links = table.get<long long>("links").value_or(6);
   if (links == 6 || links == 18 || links == 26) return int(links);
   table.fail("links", std::to_string(links), "6, 18 or 26");
 }
@@ -130,7 +130,7 @@ void know_limits(Table& table) {
 /// Reads the curves that stand for keys that are not given: those of the preset, or none. `tissue`:
 /// the table of a tissue preset, which only the common table can have.
 LimitTable read_preset(Table& table, const LimitTable& limits, const MaterialTable* tissue) {
-  const auto name = table.string("preset");
+  const auto name = table.get<std::string>("preset");
   if (!name) return {};
   if (tissue != nullptr) return *tissue;
   try {
@@ -195,8 +195,8 @@ void read_labels(Table& labels, const LabelNames& names, MaterialTable& material
 /// The table of a tissue preset, if the table names one. Curves of one that fits its domain to the
 /// volume are constant.
 std::optional<MaterialTable> read_tissue(Table& table) {
-  if (!table.is_string("preset")) return std::nullopt;
-  const std::string name = *table.string("preset");
+  if (!is_text(table.find("preset"))) return std::nullopt;
+  const std::string name = *table.get<std::string>("preset");
   const TissuePreset* preset = find_tissue_preset(name);
   if (preset == nullptr) {
     const auto& others = material_presets();
@@ -243,7 +243,7 @@ MaterialTable read_material_table(Table& table, const LabelNames& names) {
   if (table.has("links")) material.links = read_links(table);
   if (table.has("rigid")) material.rigid = read_rigid(table);
   read_relax(table, material);
-  material.has_contact = table.boolean("contact").value_or(material.has_contact);
+  material.has_contact = table.get<bool>("contact").value_or(material.has_contact);
   if (auto labels = table.table("label")) read_labels(*labels, names, material);
   table.finish();
   material.validate(table.place());

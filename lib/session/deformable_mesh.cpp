@@ -33,7 +33,7 @@ MeshBody read_body(const MeshSetup& setup) {
 }
 
 Value flat(const std::vector<Vec3d>& places) {
-  Value list = Value::list();
+  Value list = Value::List();
   for (const Vec3d& place : places) {
     for (int c = 0; c < 3; ++c) list.push_back(place[c]);
   }
@@ -42,7 +42,7 @@ Value flat(const std::vector<Vec3d>& places) {
 
 template <std::size_t count>
 Value flat(const std::vector<std::array<int, count>>& cells) {
-  Value list = Value::list();
+  Value list = Value::List();
   for (const auto& cell : cells) {
     for (const int node : cell) list.push_back(node);
   }

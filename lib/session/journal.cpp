@@ -117,7 +117,7 @@ Value to_value(const StepRecord& record) {
 }  // namespace
 
 std::string journal_json(const std::string& earlier, const std::vector<StepRecord>& records) {
-  Value steps = Value::list();
+  Value steps = Value::List();
   const Value before = json_or_null(earlier);
   if (before.contains("steps")) steps = before["steps"];
   for (const StepRecord& record : records) steps.push_back(to_value(record));

@@ -259,7 +259,7 @@ void follow_shifts(Body& body) {
 }
 
 Value settings_value(const RigidRequest& request) {
-  Value value = Value::table();
+  Value value = Value::Entries();
   if (request.density) {
     value["rigid_density"] = {request.density->first, request.density->second};
   }

@@ -43,7 +43,7 @@ std::vector<ColourKey> read_colours(Table& table) {
 }
 
 Blend read_blend(Table& table) {
-  const std::string name = table.string("blend").value_or("composite");
+  const std::string name = table.get<std::string>("blend").value_or("composite");
   if (name == "composite") return Blend::composite;
   if (name == "maximum") return Blend::maximum;
   table.fail("blend", "\"" + name + "\"", "\"composite\" or \"maximum\"");
@@ -75,9 +75,9 @@ TransferFunction read_transfer_function(Table& table) {
   table.know({"name", "blend", "background", "opacity", "colour", "gradient_opacity"});
   TransferFunction function;
   function.name =
-      table.string("name").value_or(std::filesystem::path(table.file()).stem().string());
+      table.get<std::string>("name").value_or(std::filesystem::path(table.file()).stem().string());
   function.blend = read_blend(table);
-  function.background = table.string("background").value_or("");
+  function.background = table.get<std::string>("background").value_or("");
   if (!function.background.empty()) check_background(table, function.background);
   function.opacity = read_opacities(table, "opacity");
   if (function.opacity.empty()) {
@@ -86,7 +86,7 @@ TransferFunction read_transfer_function(Table& table) {
   function.colour = read_colours(table);
   function.gradient_opacity = read_opacities(table, "gradient_opacity");
   for (const Scalar& scalar : kScalars) {
-    function.*scalar.value = table.number(scalar.key).value_or(function.*scalar.value);
+    function.*scalar.value = table.get<double>(scalar.key).value_or(function.*scalar.value);
   }
   table.finish();
   function.validate(table.file());

@@ -102,8 +102,8 @@ std::string kind_of(const Field& field) {
   if (!field.names().empty()) return field.allowed();
   if (field.holds<bool>()) return "true or false";
   const std::string allowed = field.allowed();
-  if (!allowed.empty() && allowed != field.unit()) return allowed;
-  return field.placeholder() + (field.unit().empty() ? "" : " in " + field.unit());
+  if (!allowed.empty() && allowed != field.traits().unit) return allowed;
+  return field.placeholder() + (field.traits().unit.empty() ? "" : " in " + field.traits().unit);
 }
 
 /// The option of a key; empty where only scenes have the key, or commands have their own option.
@@ -112,14 +112,14 @@ std::string option_of(const KeyTable& table, const Field& field) {
       "light",       "grab",    "motion", "path",  "function", "film",      "event",
       "camera_path", "retract", "plane",  "curve", "forces",   "pressures", "body"};
   const bool has_no_options = kSceneTables.count(table.name) != 0;
-  if (field.is_only_in_scenes() || has_no_options) return "";
+  if (field.traits().is_only_in_scenes || has_no_options) return "";
   return option_name(field, table.prefix);
 }
 
 /// A flag's help says what the option does: of a flag that is on by default, what false does.
 std::string meaning_of(const Field& field) {
   const bool* const* flag = std::get_if<bool*>(&field.target());
-  return (flag != nullptr && **flag ? "false: " : "") + field.help();
+  return (flag != nullptr && **flag ? "false: " : "") + field.traits().help;
 }
 
 std::string in_cell(std::string text) {
@@ -153,12 +153,12 @@ void print_text(const KeyTable& table) {
 }
 
 Value json_of(const KeyTable& table) {
-  Value keys = Value::list();
+  Value keys = Value::List();
   for (const Field& field : table.fields) {
     keys.push_back({{"key", field.name()},
                     {"option", option_of(table, field)},
                     {"value", kind_of(field)},
-                    {"unit", field.unit()},
+                    {"unit", field.traits().unit},
                     {"default", field.default_text()},
                     {"meaning", meaning_of(field)}});
   }

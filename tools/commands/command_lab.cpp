@@ -39,8 +39,8 @@ int run_calibration(const GlobalOptions& global, Console& console) {
       const bool is_number = field.holds<double>();
       const std::string value =
           is_number ? number_text(*std::get<double*>(field.target())) : field.text();
-      std::printf("%-20s %10s %-3s %s\n", field.name().c_str(), value.c_str(), field.unit().c_str(),
-                  field.help().c_str());
+      std::printf("%-20s %10s %-3s %s\n", field.name().c_str(), value.c_str(),
+                  field.traits().unit.c_str(), field.traits().help.c_str());
     }
   }
   return kOk;

@@ -58,7 +58,7 @@ Value cut_table(const std::string& text) {
 }
 
 Value cut_tables(const std::vector<std::string>& cuts) {
-  Value tables = Value::list();
+  Value tables = Value::List();
   for (const std::string& text : cuts) tables.push_back(cut_table(text));
   return tables;
 }

@@ -46,7 +46,7 @@ void print_scene(const Scene& scene, const std::string& folder, const SceneRun& 
 /// The scene's volume, steps with the places of handles, and outputs.
 Value scene_json(const Scene& scene, const std::string& folder, const SceneRun& run) {
   Value json = {{"volume", scene.volume_path}};
-  json["steps"] = Value::list();
+  json["steps"] = Value::List();
   for (const Step& step : scene.steps) {
     json["steps"].push_back({{"handles", to_value(run.session()->places(step))},
                              {"fix", fixed_count(step)},
@@ -57,7 +57,7 @@ Value scene_json(const Scene& scene, const std::string& folder, const SceneRun& 
       json["steps"].back()[step_models()[n].name] = step_models()[n].moves(step);
     }
   }
-  json["outputs"] = Value::list();
+  json["outputs"] = Value::List();
   for (const std::string& name : scene.outputs()) json["outputs"].push_back(path_in(folder, name));
   return json;
 }

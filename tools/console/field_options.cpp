@@ -21,9 +21,9 @@ std::string dashed(std::string name) {
 }
 
 std::string help_of(const Field& field) {
-  std::string help = field.help();
+  std::string help = field.traits().help;
   if (field.holds<bool>()) return help;
-  const std::string& unit = field.unit();
+  const std::string& unit = field.traits().unit;
   if (unit.find_first_of(" /") != std::string::npos) help += ", in " + unit;
   const std::string otherwise = field.default_text();
   return otherwise.empty() ? help : help + " (default: " + otherwise + ")";
@@ -49,7 +49,7 @@ Value value_of(const Field& field, const std::string& option, const std::string&
     return numbers_value(option, pair, 2);
   }
   const bool is_list = field.holds<std::vector<std::string>>();
-  Value list = Value::list();
+  Value list = Value::List();
   for (const std::string& word : is_list ? split(text, ',') : std::vector<std::string>{text}) {
     const std::vector<std::string>& names = field.names();
     const std::string part = field.name_for(word);
@@ -75,18 +75,18 @@ CLI::Option* add_option(CLI::App& app, const Field& field, const std::string& op
       help_of(field));
   added->option_text(field.placeholder());
   if (field.holds<std::vector<std::string>>()) added->join(',');
-  if (field.implied().empty()) return added;
+  if (field.traits().implied.empty()) return added;
   return added->expected(0, 1)
-      ->default_str(field.implied())
+      ->default_str(field.traits().implied)
       ->option_text("[" + field.placeholder() + "]");
 }
 
 void add_options(CLI::App& app, const Fields& fields, const std::string& prefix, const Sink& sink) {
   for (const Field& field : fields) {
-    if (field.is_only_in_scenes()) continue;
+    if (field.traits().is_only_in_scenes) continue;
     CLI::Option* present = add_option(app, field, option_name(field, prefix), sink);
-    if (field.former().empty()) continue;
-    const std::string former = "--" + prefix + dashed(field.former());
+    if (field.traits().former.empty()) continue;
+    const std::string former = "--" + prefix + dashed(field.traits().former);
     app.add_option_function<std::string>(
            former, [=](const std::string& text) { sink(field, value_of(field, former, text)); },
            "this option is called " + option_name(field, prefix) + " now")
@@ -106,7 +106,7 @@ std::string full_table_name(const std::string& table) {
 }  // namespace
 
 std::string option_name(const Field& field, const std::string& prefix) {
-  if (!field.option().empty()) return "--" + field.option();
+  if (!field.traits().option.empty()) return "--" + field.traits().option;
   const bool* const* flag = std::get_if<bool*>(&field.target());
   const bool is_on = flag != nullptr && **flag;
   return "--" + prefix + (is_on ? "no-" : "") + dashed(field.name());
@@ -139,7 +139,7 @@ Value numbers_value(const std::string& option, const std::string& text, std::siz
   if (parts.size() != count) {
     refuse_option(option, text, std::to_string(count) + " numbers, comma-separated");
   }
-  Value list = Value::list();
+  Value list = Value::List();
   for (const std::string& part : parts) list.push_back(number_value(option, part));
   return list;
 }
@@ -176,7 +176,7 @@ Value& SceneOptions::made(Value& root, const std::string& name) const {
   if (dot == std::string::npos) {
     Value& entry = root[name];
     if (name != "step" && name != "view") return entry;
-    return entry.is_null() ? entry.push_back(Value::table()) : entry.back();
+    return entry.is_null() ? entry.push_back(Value::Entries()) : entry.back();
   }
   Value& inner = made(root, name.substr(0, dot))[name.substr(dot + 1)];
   if (inner.is_null() || inner.is_table()) return inner;
@@ -185,12 +185,12 @@ Value& SceneOptions::made(Value& root, const std::string& name) const {
 }
 
 Table SceneOptions::scene() const {
-  Value root = Value::table();
+  Value root = Value::Entries();
   for (const std::string& name : m_tables) {
     const auto given = m_given.find(name);
     if (given == m_given.end()) continue;
     Value& table = made(root, name);
-    if (table.is_null()) table = Value::table();
+    if (table.is_null()) table = Value::Entries();
     table.update(given->second);
   }
   return Table(std::move(root), "", m_names);

@@ -291,7 +291,7 @@ void KeptJournal::begin(const std::function<Value()>& journal) {
   const std::size_t first = std::min(events.rfind(kEvent), events.size());
   if (m_replaces.empty()) events.insert(first, std::string("\n") + kSaved);
   Table root = Table::parse(events, "journal");
-  const std::string volume = root.table("volume")->string("path").value_or("");
+  const std::string volume = root.table("volume")->get<std::string>("path").value_or("");
   const std::string name = m_folder + "/" + plain_name(volume) + local_time(now, "-%Y%m%d-%H%M%S-");
   int number = ::getpid();
   do {

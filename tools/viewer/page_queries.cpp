@@ -33,7 +33,7 @@ const char* kind_of_file(const std::string& name) {
 
 Value roots_json(const Folders& folders) {
   return {
-      {"path", ""}, {"parent", nullptr}, {"folders", folders.roots()}, {"files", Value::list()}};
+      {"path", ""}, {"parent", nullptr}, {"folders", folders.roots()}, {"files", Value::List()}};
 }
 
 /// What a folder holds but for hidden files, names ascending; links that lead out are left out.
@@ -62,7 +62,7 @@ Value list_json(const std::string& path, const Folders& folders) {
   if (error) throw InputError({path, "list", "no folder to be read", "a folder"});
   std::sort(inside.begin(), inside.end());
   std::sort(files.begin(), files.end());
-  Value json = {{"path", folder}, {"parent", ""}, {"folders", inside}, {"files", Value::list()}};
+  Value json = {{"path", folder}, {"parent", ""}, {"folders", inside}, {"files", Value::List()}};
   const std::vector<std::string>& roots = folders.roots();
   if (std::find(roots.begin(), roots.end(), folder) == roots.end()) {
     json["parent"] = fs::path(folder).parent_path().string();
@@ -84,11 +84,11 @@ const char* type_of(const Field& field) {
 
 /// What the command line's help says of them.
 Value options_json(const Fields& fields) {
-  Value json = Value::list();
+  Value json = Value::List();
   for (const Field& field : fields) {
-    Value one = {{"name", field.name()}, {"type", type_of(field)}, {"help", field.help()}};
+    Value one = {{"name", field.name()}, {"type", type_of(field)}, {"help", field.traits().help}};
     if (!field.names().empty()) one["choices"] = field.names();
-    if (!field.unit().empty()) one["unit"] = field.unit();
+    if (!field.traits().unit.empty()) one["unit"] = field.traits().unit;
     one["allowed"] = field.allowed();
     const Value value = field.value();
     if (!value.is_null()) one["default"] = value;
@@ -99,7 +99,7 @@ Value options_json(const Fields& fields) {
 
 /// The menu of models, and whether each has keys.
 Value models_json() {
-  Value json = Value::list();
+  Value json = Value::List();
   for (const StepModel& model : step_models()) {
     json.push_back({{"name", model.name}, {"title", model.menu}, {"has_keys", bool(model.fields)}});
   }
@@ -134,14 +134,14 @@ Value options_of(const std::string& kind) {
 }
 
 Value presets_json() {
-  Value json = Value::list();
+  Value json = Value::List();
   for (const std::string& name : preset_names()) json.push_back(transfer_json(preset(name)));
   return json;
 }
 
 /// Presets of materials, each with its whole table.
 Value material_presets_json() {
-  Value json = Value::list();
+  Value json = Value::List();
   for (const TissuePreset& preset : tissue_presets()) {
     const Table table = Table::parse(preset.table, preset.name);
     json.push_back({{"name", preset.name}, {"table", table.value()}});
@@ -152,7 +152,7 @@ Value material_presets_json() {
 /// A string of the message's only key.
 std::string text_in(const PageMessage& message, const char* key) {
   Table table = table_of(message);
-  const std::string text = table.require(table.string(key), key, "a text");
+  const std::string text = table.require(table.get<std::string>(key), key, "a text");
   table.finish();
   return text;
 }
@@ -207,7 +207,7 @@ Value material_json(OpenScene& scene) {
 
 Value slices_json(SliceSettings slices) {
   Value json = fields_value(fields(slices));
-  json["centre"] = Value::table();
+  json["centre"] = Value::Entries();
   for (std::size_t plane = 0; plane < 3; ++plane) {
     if (slices.centre[plane]) {
       json["centre"][kViewNames[plane + 1]] = *slices.centre[plane];

@@ -117,7 +117,7 @@ Value sheet_json(const CutSurface& cut, const State& state, const Displacement& 
     down = along * (cut.curve->depth_mm / along.length());
     up = along * (-cut.curve->above_mm / along.length());
   }
-  Value places = Value::list();
+  Value places = Value::List();
   for (const Vec3d& point : line) {
     const Vec3d index = cut.in_voxels ? point : geometry.index_from_world(point);
     places.push_back(place_now(index, state, moved));
@@ -136,7 +136,7 @@ Value cut_json(const Value& keys, const CutSurface* surface, const State& state,
 
 Value handles_json(const HeldParts& held, const StateParts& of_state, const State& state,
                    const Displacement& moved) {
-  Value handles = Value::list();
+  Value handles = Value::List();
   for (const Value& keys : of_state.handles) {
     const auto middle = middle_of(keys);
     if (!middle) continue;
@@ -155,7 +155,7 @@ Value handles_json(const HeldParts& held, const StateParts& of_state, const Stat
 
 Value anchors_json(const HeldParts& held, const StateParts& of_state, const State& state,
                    const Displacement& moved) {
-  Value anchors = Value::list();
+  Value anchors = Value::List();
   for (const Value& keys : of_state.anchors) {
     Value& anchor = anchors.push_back(held_json("anchor", keys));
     const auto middle = middle_of(keys);
@@ -173,7 +173,7 @@ Value anchors_json(const HeldParts& held, const StateParts& of_state, const Stat
 
 Value cuts_json(const std::vector<DoneStep>& done, const StateParts& of_state, const State& state,
                 const Displacement& moved) {
-  Value cuts = Value::list();
+  Value cuts = Value::List();
   for (const StateParts::Cut& cut : of_state.cuts) {
     cuts.push_back(cut_json(cut.keys, cut.surface ? &*cut.surface : nullptr, state, moved));
   }

@@ -103,7 +103,7 @@ Value pick_in_space(OpenScene& scene, const PickRequest& request) {
   if (request.ray_only) {
     depth = (camera.target_lps_mm - ray.origin_lps_mm).dot(frame.forward) /
             ray.direction_lps.dot(frame.forward);
-    json = Value::table();
+    json = Value::Entries();
   } else {
     const std::optional<double> seen = seen_depth(picture, camera, ray);
     if (!seen) return nullptr;
@@ -149,14 +149,15 @@ Value pick_in_slice(OpenScene& scene, const PickRequest& request) {
 
 PickRequest pick_request(Table& table) {
   PickRequest request;
-  const std::string view = table.require(table.string("view"), "view", "the name of a view");
+  const std::string view =
+      table.require(table.get<std::string>("view"), "view", "the name of a view");
   const auto named = std::find(kViewNames.begin(), kViewNames.end(), view);
   if (named == kViewNames.end()) table.fail("view", view, "3d, axial, coronal or sagittal");
   request.view = int(named - kViewNames.begin());
-  const auto at = table.require(table.numbers("at"), "at", "[x, y] in pixels");
+  const auto at = table.require(table.get<std::vector<double>>("at"), "at", "[x, y] in pixels");
   if (at.size() != 2) table.fail("at", std::to_string(at.size()) + " numbers", "[x, y] in pixels");
   request.at = {at[0], at[1]};
-  request.ray_only = table.boolean("ray_only").value_or(false);
+  request.ray_only = table.get<bool>("ray_only").value_or(false);
   table.finish();
   return request;
 }

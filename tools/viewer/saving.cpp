@@ -203,11 +203,12 @@ SaveRequest save_request(Table& table, const Folders& folders) {
   SaveRequest request;
   table.know({"path", "view"});
   table.read(fields(request));
-  const std::string view = table.string("view").value_or("3d");
+  const std::string view = table.get<std::string>("view").value_or("3d");
   const auto named = std::find(kViewNames.begin(), kViewNames.end(), view);
   if (named == kViewNames.end()) table.fail("view", view, "3d, axial, coronal or sagittal");
   request.view = int(named - kViewNames.begin());
-  request.path = folders.output(table.require(table.string("path"), "path", "a file's name"));
+  request.path =
+      folders.output(table.require(table.get<std::string>("path"), "path", "a file's name"));
   table.finish();
   check_extension(table, request);
   if (is_series(request.what)) PictureSeries(request.path, request.frames_per_second, "save");

@@ -15,7 +15,7 @@ namespace supple::tools {
 namespace {
 
 Value keys_json(const std::vector<OpacityKey>& keys) {
-  Value rows = Value::list();
+  Value rows = Value::List();
   for (const OpacityKey& key : keys) rows.push_back({key.density, key.opacity});
   return rows;
 }
@@ -38,7 +38,7 @@ Value volume_json(const Scene& scene, const State& state, const ScalarRange& den
   const Geometry& geometry = state.geometry;
   const auto& axes = geometry.axes_mm();
   const Vec3d& origin = geometry.origin_lps_mm();
-  Value affine = Value::list();
+  Value affine = Value::List();
   for (int row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column) affine.push_back(axes[std::size_t(column)][row]);
     affine.push_back(origin[row]);
@@ -56,7 +56,7 @@ Value volume_json(const Scene& scene, const State& state, const ScalarRange& den
 }
 
 Value history_json(const std::vector<History::Entry>& entries) {
-  Value list = Value::list();
+  Value list = Value::List();
   for (const History::Entry& entry : entries) {
     list.push_back({{"text", entry.text}, {"kind", entry.kind}, {"steps", entry.steps}});
   }
@@ -113,7 +113,7 @@ Value shown_slices(const SliceSettings& slices, const ScalarRange& range) {
 }  // namespace
 
 Value transfer_json(const TransferFunction& function) {
-  Value colours = Value::list();
+  Value colours = Value::List();
   for (const ColourKey& key : function.colour) {
     colours.push_back({key.density, key.rgb[0], key.rgb[1], key.rgb[2]});
   }
@@ -159,7 +159,7 @@ const ScalarRange& SceneDescription::densities() {
 Value SceneDescription::told(bool is_moving, const ScalarRange& overlay_range) {
   if (!is_moving) m_body_told = body();
   const SceneView& view = m_picture.view();
-  Value clips = Value::list();
+  Value clips = Value::List();
   for (const ClipChoice& clip : view.clips) clips.push_back(clip_json(clip));
   Value scene = m_body_told;
   scene["view"] = {{"camera", camera_json(*view.camera.camera)},

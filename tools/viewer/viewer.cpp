@@ -31,7 +31,7 @@ std::function<Value(OpenScene&)> question_of(const PageMessage& message, const F
 }
 
 PixelSize size_of(Table& table, const char* view, const PixelSize& before) {
-  const auto given = table.numbers(view);
+  const auto given = table.get<std::vector<double>>(view);
   if (!given) return before;
   const auto is_side = [](double side) {
     return is_integer(side) && side >= 0 && side <= kLargestSide;

@@ -61,12 +61,13 @@ void Viewer::open(const OpenedFile& file, const std::string& input, const std::s
 
 void Viewer::take_open(int page, const PageMessage& message) {
   Table table = table_of(message);
-  const std::string path = m_folders.input(table.require(table.string("path"), "path", "a file"));
-  std::string material = table.string("material").value_or("");
+  const std::string path =
+      m_folders.input(table.require(table.get<std::string>("path"), "path", "a file"));
+  std::string material = table.get<std::string>("material").value_or("");
   const bool is_file =
       !material.empty() && material != kUniform && find_tissue_preset(material) == nullptr;
   if (is_file) material = m_folders.input(material);
-  const std::string preset = table.string("preset").value_or("");
+  const std::string preset = table.get<std::string>("preset").value_or("");
   table.finish();
   open_later(page, message, [this, path, material, preset] {
     m_progress.begin();

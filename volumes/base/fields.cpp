@@ -107,8 +107,8 @@ std::string Field::name_for(const std::string& word) const {
   return found == m_synonyms.end() ? word : found->second;
 }
 
-bool Field::is_word(const std::string& text) const {
-  return std::find(m_words.begin(), m_words.end(), text) != m_words.end();
+bool Field::names_file(const std::string& text) const {
+  return m_traits.is_path && std::find(m_words.begin(), m_words.end(), text) == m_words.end();
 }
 
 bool Field::allows(double value) const {
@@ -126,34 +126,35 @@ std::string bound_text(double bound) {
 }  // namespace
 
 std::string Field::allowed() const {
-  const std::string unit = m_unit.empty() ? "" : " " + m_unit;
+  const std::string unit = m_traits.unit.empty() ? "" : " " + m_traits.unit;
   if (!names().empty()) return listed(names(), "or");
-  if (m_is_open) return "a positive number" + (m_unit.empty() ? "" : " of" + unit);
+  if (m_is_open) return "a positive number" + (m_traits.unit.empty() ? "" : " of" + unit);
   if (m_lo > -std::numeric_limits<double>::infinity()) {
     if (m_hi < std::numeric_limits<double>::infinity()) {
       return bound_text(m_lo) + " to " + bound_text(m_hi) + unit;
     }
     return bound_text(m_lo) + " or more" + unit;
   }
-  return m_unit;
+  return m_traits.unit;
 }
 
 std::string Field::placeholder() const {
-  if (!m_placeholder.empty()) return m_placeholder;
+  if (!m_traits.placeholder.empty()) return m_traits.placeholder;
   if (!names().empty()) {
     std::string text;
     for (const std::string& name : names()) text += (text.empty() ? "" : "|") + name;
     return text.size() <= 40 ? text : "NAME";
   }
-  if (m_is_path) return "FILE";
+  if (m_traits.is_path) return "FILE";
   if (holds<Vec3d>()) return "X,Y,Z";
   if (holds<NumberPair>()) return "A,B";
   if (holds<PixelSize>()) return "W,H";
   if (holds<Rgb>()) return "#RRGGBB";
   if (holds<std::string>()) return "TEXT";
   if (holds<std::vector<std::string>>()) return "A,B,...";
-  const bool is_word = !m_unit.empty() && m_unit.find_first_of(" /") == std::string::npos;
-  std::string text = is_word ? m_unit : "N";
+  const bool is_word =
+      !m_traits.unit.empty() && m_traits.unit.find_first_of(" /") == std::string::npos;
+  std::string text = is_word ? m_traits.unit : "N";
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return char(std::toupper(c)); });
   return text;
@@ -169,15 +170,16 @@ std::string Field::text() const {
 
 std::string Field::default_text() const {
   if (m_otherwise) return *m_otherwise;
-  return m_is_required ? "" : text();
+  return m_traits.is_required ? "" : text();
 }
 
 Value fields_value(const Fields& fields, const Fields& plain) {
-  Value table = Value::table();
+  Value table = Value::Entries();
   for (std::size_t n = 0; n < fields.size(); ++n) {
     const Value value = fields[n].value();
     if (value.is_null() || (!plain.empty() && value == plain[n].value())) continue;
-    table[fields[n].record()] = value;
+    const FieldTraits& traits = fields[n].traits();
+    table[traits.record.empty() ? traits.name : traits.record] = value;
   }
   return table;
 }

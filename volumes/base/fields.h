@@ -30,6 +30,21 @@ std::string colour_text(const Rgb& rgb);
 /// Reads a colour; none for text other than "#RRGGBB".
 std::optional<Rgb> parse_colour(const std::string& text);
 
+/// What is said of a setting, beside its value and the values that are allowed.
+struct FieldTraits {
+  std::string name, help, unit{};
+  std::string record{};       // its name in records, which say the unit; empty: its name
+  std::string option{};       // its name on the command line, without dashes, where it is not the
+                              // prefix of the table and its name
+  std::string former{};       // its name in earlier versions, which is still read, with a warning
+  std::string implied{};      // the value of an option that is given without one
+  std::string placeholder{};  // of the value in a help text
+  bool is_required = false;
+  bool is_path = false;            // of an input: in a file, relative ones start at its folder
+  bool is_only_in_scenes = false;  // no option of its own on the command line
+  bool is_for_slices = false;      // slices have this setting of a view, too
+};
+
 /// One setting: its name, the address of its value, its meaning and its allowed values.
 class Field {
  public:
@@ -47,62 +62,43 @@ class Field {
   /// `help`: one line, without a full stop. The value must outlive the field.
   template <class Setting>
   Field(const char* name, Setting& value, const char* help)
-      : m_name(name), m_help(help), m_target(&value) {}
+      : m_traits{name, help}, m_target(&value) {}
   template <class Enum>
   Field(const char* name, Enum& value, std::vector<std::string> names, const char* help)
-      : m_name(name),
-        m_help(help),
+      : m_traits{name, help},
         m_target(Names{std::move(names), [&value] { return int(value); },
                        [&value](int index) { value = Enum(index); }}) {}
 
-  Field& unit(const char* text) { return m_unit = text, *this; }
+  /// These set the traits of the same name.
+  Field& unit(const char* text) { return m_traits.unit = text, *this; }
+  Field& recorded_as(const char* name) { return m_traits.record = name, *this; }
+  Field& option(const char* name) { return m_traits.option = name, *this; }
+  Field& formerly(const char* name) { return m_traits.former = name, *this; }
+  Field& implying(const char* value) { return m_traits.implied = value, *this; }
+  Field& shown_as(const char* text) { return m_traits.placeholder = text, *this; }
+  Field& required() { return m_traits.is_required = true, *this; }
+  Field& path() { return m_traits.is_path = true, *this; }
+  Field& only_in_scenes() { return m_traits.is_only_in_scenes = true, *this; }
+  Field& for_slices() { return m_traits.is_for_slices = true, *this; }
   /// Bounds the number, or every component of a vector; both ends are allowed.
   Field& range(double lo, double hi) { return m_lo = lo, m_hi = hi, *this; }
   Field& at_least(double lo) { return m_lo = lo, *this; }
   /// Bounds the number to those above 0.
   Field& positive() { return m_lo = 0, m_is_open = true, *this; }
-  /// The name in records, which say the unit.
-  Field& recorded_as(const char* name) { return m_record = name, *this; }
-  /// Demands that the setting be given.
-  Field& required() { return m_is_required = true, *this; }
-  /// The path of an input: in a file, relative ones start at its folder.
-  Field& path() { return m_is_path = true, *this; }
   /// One of these words, or else the path of an input.
   Field& word_or_path(std::vector<std::string> words) { return m_words = std::move(words), path(); }
   /// The names that a string may have.
   Field& one_of(std::vector<std::string> names) { return m_names = std::move(names), *this; }
-  /// The name on the command line, without dashes, where it is not the prefix of the table and the
-  /// name.
-  Field& option(const char* name) { return m_option = name, *this; }
-  /// The setting is no option of its own on the command line.
-  Field& only_in_scenes() { return m_is_only_in_scenes = true, *this; }
-  /// Slices have this setting of a view, too.
-  Field& for_slices() { return m_is_for_slices = true, *this; }
-  /// Placeholder of the value in a help text.
-  Field& shown_as(const char* placeholder) { return m_placeholder = placeholder, *this; }
+  /// Another word for one of the names.
+  Field& also(const char* word, const char* name) { return m_synonyms[word] = name, *this; }
   /// Replaces the default in help and documentation, where another value holds when the setting is
   /// left out; empty: no default is shown.
   Field& otherwise(std::string text) { return m_otherwise = std::move(text), *this; }
-  /// The value of an option that is given without one.
-  Field& implying(const char* value) { return m_implied = value, *this; }
-  /// Another word for one of the names.
-  Field& also(const char* word, const char* name) { return m_synonyms[word] = name, *this; }
-  /// The name in earlier versions, which is still read, with a warning.
-  Field& formerly(const char* name) { return m_former = name, *this; }
 
-  const std::string& name() const { return m_name; }
-  const std::string& help() const { return m_help; }
-  const std::string& unit() const { return m_unit; }
-  const std::string& record() const { return m_record.empty() ? m_name : m_record; }
-  const std::string& option() const { return m_option; }
-  const std::string& former() const { return m_former; }
-  const std::string& implied() const { return m_implied; }
-  bool is_required() const { return m_is_required; }
-  bool is_only_in_scenes() const { return m_is_only_in_scenes; }
-  bool is_for_slices() const { return m_is_for_slices; }
-  bool is_path() const { return m_is_path; }
-  /// True if a text is one of the words that stand beside paths.
-  bool is_word(const std::string& text) const;
+  const std::string& name() const { return m_traits.name; }
+  const FieldTraits& traits() const { return m_traits; }
+  /// True if the text is the path of an input, and none of the words that stand beside paths.
+  bool names_file(const std::string& text) const;
   const Target& target() const { return m_target; }
   /// True if the value is a T, or a T that may be absent.
   template <class T>
@@ -134,15 +130,14 @@ class Field {
   std::string default_text() const;
 
  private:
-  std::string m_name, m_help, m_unit, m_option, m_former, m_placeholder, m_implied, m_record;
+  FieldTraits m_traits;
   Target m_target;
   std::optional<std::string> m_otherwise;
   std::vector<std::string> m_names, m_words;
   std::map<std::string, std::string> m_synonyms;
   double m_lo = -std::numeric_limits<double>::infinity();
   double m_hi = std::numeric_limits<double>::infinity();
-  bool m_is_open = false, m_is_required = false, m_is_path = false, m_is_only_in_scenes = false;
-  bool m_is_for_slices = false;
+  bool m_is_open = false;
 };
 
 using Fields = std::vector<Field>;

@@ -54,10 +54,10 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool number_float(number_float_t value, const string_t&) override { return add(value); }
   bool string(string_t& value) override { return add(std::move(value)); }
   bool binary(binary_t&) override { return false; }
-  bool start_object(std::size_t) override { return open(Value::table()); }
+  bool start_object(std::size_t) override { return open(Value::Entries()); }
   bool key(string_t& value) override { return m_key = std::move(value), true; }
   bool end_object() override { return close(); }
-  bool start_array(std::size_t) override { return open(Value::list()); }
+  bool start_array(std::size_t) override { return open(Value::List()); }
   bool end_array() override { return close(); }
   bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) override {
     return false;
@@ -66,7 +66,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  private:
   Value& place(Value value) {
     const bool is_beyond = value.is_number() && m_position.is_past_break;
-    value.set_line(m_position.line - int(is_beyond));
+    value.line = m_position.line - int(is_beyond);
     if (m_open.empty()) return m_root = std::move(value);
     Value& parent = *m_open.back();
     if (parent.is_list()) return parent.push_back(std::move(value));
@@ -126,7 +126,7 @@ void write_json(const Value& value, int indent, int depth, std::string& text) {
   } else if (value.is_number()) {
     text += nlohmann::json(value.number()).dump();
   } else {
-    text += quoted(value.is_text() ? value.text() : value.moment());
+    text += quoted(value.text());
   }
 }
 

@@ -10,6 +10,18 @@
 
 namespace supple {
 
+namespace {
+
+double finite_number(const Table& table, const Value& value, const std::string& key,
+                     const std::string& expected) {
+  if (!value.is_number() || !std::isfinite(value.number())) {
+    table.fail(key, shown_text(value), expected);
+  }
+  return value.number();
+}
+
+}  // namespace
+
 bool is_integer(double value) {
   return std::abs(value) <= 2147483647.0 && value == std::floor(value);
 }
@@ -24,7 +36,7 @@ Table Table::read(const std::string& path) {
 
 Table::Table(Value table, const std::string& source, std::map<std::string, std::string> options)
     : m_table(std::make_shared<const Value>(std::move(table))),
-      m_file_data(std::make_shared<File>(File{source, std::move(options), {}, {}, {}})) {}
+      m_file_data(std::make_shared<File>(File{source, std::move(options), {}, {}})) {}
 
 Table::Table(std::shared_ptr<const Value> table, std::shared_ptr<File> file, std::string name)
     : m_table(std::move(table)), m_file_data(std::move(file)), m_name(std::move(name)) {}
@@ -33,14 +45,9 @@ Table Table::below(const Value& table, std::string name) const {
   return {std::shared_ptr<const Value>(m_table, &table), m_file_data, std::move(name)};
 }
 
-void Table::take_warnings(const Table& other) {
-  std::vector<std::string>& all = m_file_data->warnings;
-  all.insert(all.end(), other.warnings().begin(), other.warnings().end());
-}
-
 std::string Table::place(const std::string& key) const {
   const Value* value = key.empty() ? nullptr : m_table->find(key);
-  const int line = value != nullptr ? value->line() : m_table->line();
+  const int line = value != nullptr ? value->line : m_table->line;
   return line == 0 || file().empty() ? file() : file() + ":" + std::to_string(line);
 }
 
@@ -76,20 +83,15 @@ const Value* Table::find(const std::string& key) {
   return m_table->find(key);
 }
 
-double Table::number_of(const Value& value, const std::string& key, const std::string& expected) {
-  if (!value.is_number() || !std::isfinite(value.number())) fail(key, shown_text(value), expected);
-  return value.number();
-}
-
 void Table::read(const Fields& fields) {
   for (const Field& field : fields) m_known.insert(field.name());
   for (const Field& field : fields) {
     std::string key = field.name();
-    if (!field.former().empty()) key = present_name(key, field.former());
+    if (!field.traits().former.empty()) key = present_name(key, field.traits().former);
     if (has(key)) {
       read_field(field, key);
-    } else if (field.is_required()) {
-      fail_missing(key, field.help());
+    } else if (field.traits().is_required) {
+      fail_missing(key, field.traits().help);
     }
   }
 }
@@ -98,7 +100,7 @@ std::string Table::present_name(const std::string& key, const std::string& forme
   m_known.insert(key);
   if (!m_table->contains(former)) return key;
   if (m_table->contains(key)) fail(key, key + " and " + former, "one of both");
-  m_file_data->warnings.push_back(
+  m_file_data->warnings->push_back(
       to_line({place(former), full_name(former), "its former name", full_name(key)}));
   return former;
 }
@@ -118,27 +120,28 @@ void Table::read_field(const Field& field, const std::string& key) {
   };
   const auto one = [&] {
     const std::string allowed = field.allowed();
-    const bool says_little = allowed.empty() || allowed == field.unit();
-    return checked(number_of(*find(key), key, says_little ? "a finite number" : allowed));
+    const bool says_little = allowed.empty() || allowed == field.traits().unit;
+    return checked(
+        finite_number(*this, *find(key), key, says_little ? "a finite number" : allowed));
   };
   const auto whole = [&] {
-    const long long value = *integer(key);
+    const long long value = *get<long long>(key);
     checked(double(value));
     if (!is_integer(double(value))) fail(key, std::to_string(value), "an integer of 32 bits");
     return int(value);
   };
   const auto pair = [&] {
-    const auto values = numbers(key);
+    const auto values = get<std::vector<double>>(key);
     if (values->size() != 2) fail(key, std::to_string(values->size()) + " numbers", "two numbers");
     return NumberPair(checked((*values)[0]), checked((*values)[1]));
   };
   const auto three = [&] {
-    const Vec3d value = *vector(key);
+    const Vec3d value = *get<Vec3d>(key);
     for (int c = 0; c < 3; ++c) checked(value[c]);
     return value;
   };
   const Field::Target& target = field.target();
-  if (auto* flag = std::get_if<bool*>(&target)) **flag = *boolean(key);
+  if (auto* flag = std::get_if<bool*>(&target)) **flag = *get<bool>(key);
   if (auto* value = std::get_if<int*>(&target)) **value = whole();
   if (auto* value = std::get_if<std::optional<int>*>(&target)) **value = whole();
   if (auto* value = std::get_if<double*>(&target)) **value = one();
@@ -148,49 +151,33 @@ void Table::read_field(const Field& field, const std::string& key) {
   if (auto* value = std::get_if<NumberPair*>(&target)) **value = pair();
   if (auto* value = std::get_if<std::optional<NumberPair>*>(&target)) **value = pair();
   if (auto* value = std::get_if<std::string*>(&target)) {
-    **value =
-        field.is_path() && !field.is_word(*string(key)) ? *path(key) : field.name_for(*string(key));
+    **value = field.names_file(*get<std::string>(key)) ? *path(key)
+                                                       : field.name_for(*get<std::string>(key));
     named(**value);
   }
   if (auto* value = std::get_if<PixelSize*>(&target)) {
-    const auto pixels = numbers(key);
+    const auto pixels = get<std::vector<double>>(key);
     if (pixels->size() != 2 || !is_integer((*pixels)[0]) || !is_integer((*pixels)[1])) {
       fail(key, shown_text((*m_table)[key]), "two integers [width, height]");
     }
     for (int a = 0; a < 2; ++a) (**value)[a] = int(checked((*pixels)[a]));
   }
   if (auto* value = std::get_if<Rgb*>(&target)) {
-    const auto rgb = parse_colour(*string(key));
-    if (!rgb) fail(key, "\"" + *string(key) + "\"", "\"#RRGGBB\", hexadecimal");
+    const auto rgb = parse_colour(*get<std::string>(key));
+    if (!rgb) fail(key, "\"" + *get<std::string>(key) + "\"", "\"#RRGGBB\", hexadecimal");
     **value = *rgb;
   }
   if (auto* values = std::get_if<std::vector<std::string>*>(&target)) {
-    **values = *strings(key);
+    **values = *get<std::vector<std::string>>(key);
     for (const std::string& name : **values) named(name);
   }
-  if (auto* choice = std::get_if<Field::Names>(&target)) choice->set(int(named(*string(key))));
-}
-
-std::optional<std::string> Table::string(const std::string& key) {
-  const Value* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  if (!value->is_text()) fail(key, shown_text(*value), "a string");
-  return value->text();
+  if (auto* choice = std::get_if<Field::Names>(&target))
+    choice->set(int(named(*get<std::string>(key))));
 }
 
 std::optional<std::string> Table::path(const std::string& key) {
-  const auto text = string(key);
+  const auto text = get<std::string>(key);
   return text ? std::optional<std::string>(input(key, *text)) : std::nullopt;
-}
-
-bool Table::is_string(const std::string& key) {
-  const Value* value = find(key);
-  return value != nullptr && value->is_text();
-}
-
-bool Table::is_list_of_strings(const std::string& key) {
-  const Value* value = find(key);
-  return value != nullptr && !value->items().empty() && value->front().is_text();
 }
 
 std::string Table::input(const std::string& key, const std::string& path) {
@@ -208,8 +195,8 @@ std::string Table::input(const std::string& key, const std::string& path) {
 Value Table::written() const {
   Value keys = *m_table;
   for_each_text(keys, "", [&](const std::string& key, std::string& text) {
-    const auto found = inputs().find({key, text});
-    if (found != inputs().end()) text = found->second;
+    const auto found = m_file_data->inputs.find({key, text});
+    if (found != m_file_data->inputs.end()) text = found->second;
   });
   return keys;
 }
@@ -217,83 +204,77 @@ Value Table::written() const {
 Table Table::named_file(const std::string& key) {
   Table named = read(require(path(key), key, "the path of a file"));
   named.admit_inputs(admits());
+  named.m_file_data->warnings = m_file_data->warnings;
   return named;
 }
 
 std::vector<std::string> Table::paths(const std::string& key) {
   if (!has(key)) return {};
   std::vector<std::string> paths;
-  if (is_string(key)) {
-    paths.push_back(*string(key));
+  if (is_text(find(key))) {
+    paths.push_back(*get<std::string>(key));
   } else {
-    paths = *strings(key);
+    paths = *get<std::vector<std::string>>(key);
   }
   for (std::string& path : paths) path = input(key, path);
   return paths;
 }
 
-std::optional<bool> Table::boolean(const std::string& key) {
+template <class T>
+std::optional<T> Table::get(const std::string& key) {
   const Value* value = find(key);
   if (value == nullptr) return std::nullopt;
-  if (!value->is_truth()) fail(key, shown_text(*value), "true or false");
-  return value->truth();
-}
-
-std::optional<double> Table::number(const std::string& key) {
-  const Value* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  return number_of(*value, key, "a finite number");
-}
-
-std::optional<long long> Table::integer(const std::string& key) {
-  const Value* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  if (!value->is_whole()) fail(key, shown_text(*value), "an integer");
-  return value->whole();
-}
-
-std::optional<std::vector<double>> Table::numbers(const std::string& key) {
-  const Value* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  if (!value->is_list()) fail(key, shown_text(*value), "a list of numbers");
-  std::vector<double> values;
-  for (const Value& item : value->items()) {
-    values.push_back(number_of(item, key, "a list of finite numbers"));
-  }
-  return values;
-}
-
-std::optional<Vec3d> Table::vector(const std::string& key) {
-  const auto values = numbers(key);
-  if (!values) return std::nullopt;
-  if (values->size() != 3) fail(key, shown_text((*m_table)[key]), "three numbers");
-  return Vec3d((*values)[0], (*values)[1], (*values)[2]);
-}
-
-std::optional<Vec3i> Table::voxel(const std::string& key) {
-  const auto values = vector(key);
-  if (!values) return std::nullopt;
-  Vec3i voxel;
-  for (int axis = 0; axis < 3; ++axis) {
-    voxel[axis] = int(std::clamp((*values)[axis], -2147483648.0, 2147483647.0));
-    if (voxel[axis] != (*values)[axis]) {
-      fail(key, shown_text((*m_table)[key]), "three integers, a voxel i, j, k");
+  const auto require = [&](bool is_right, const Value& found, const char* expected) {
+    if (!is_right) fail(key, shown_text(found), expected);
+  };
+  if constexpr (std::is_same_v<T, bool>) {
+    require(value->is_truth(), *value, "true or false");
+    return value->truth();
+  } else if constexpr (std::is_same_v<T, std::string>) {
+    require(value->is_text(), *value, "a string");
+    return value->text();
+  } else if constexpr (std::is_same_v<T, double>) {
+    return finite_number(*this, *value, key, "a finite number");
+  } else if constexpr (std::is_same_v<T, long long>) {
+    require(value->is_whole(), *value, "an integer");
+    return value->whole();
+  } else if constexpr (std::is_same_v<T, Vec3d>) {
+    const auto numbers = *get<std::vector<double>>(key);
+    require(numbers.size() == 3, *value, "three numbers");
+    return Vec3d(numbers[0], numbers[1], numbers[2]);
+  } else if constexpr (std::is_same_v<T, Vec3i>) {
+    const auto numbers = *get<Vec3d>(key);
+    Vec3i voxel;
+    for (int axis = 0; axis < 3; ++axis) {
+      voxel[axis] = int(std::clamp(numbers[axis], -2147483648.0, 2147483647.0));
     }
+    require(Vec3d(voxel) == numbers, *value, "three integers, a voxel i, j, k");
+    return voxel;
+  } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+    require(value->is_list(), *value, "a list of numbers");
+    std::vector<double> numbers;
+    for (const Value& item : value->items()) {
+      numbers.push_back(finite_number(*this, item, key, "a list of finite numbers"));
+    }
+    return numbers;
+  } else {
+    require(value->is_list(), *value, "a list of strings");
+    std::vector<std::string> texts;
+    for (const Value& item : value->items()) {
+      require(item.is_text(), item, "a list of strings");
+      texts.push_back(item.text());
+    }
+    return texts;
   }
-  return voxel;
 }
-
-std::optional<std::vector<std::string>> Table::strings(const std::string& key) {
-  const Value* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  if (!value->is_list()) fail(key, shown_text(*value), "a list of strings");
-  std::vector<std::string> values;
-  for (const Value& item : value->items()) {
-    if (!item.is_text()) fail(key, shown_text(item), "a list of strings");
-    values.push_back(item.text());
-  }
-  return values;
-}
+template std::optional<bool> Table::get(const std::string& key);
+template std::optional<std::string> Table::get(const std::string& key);
+template std::optional<double> Table::get(const std::string& key);
+template std::optional<long long> Table::get(const std::string& key);
+template std::optional<Vec3d> Table::get(const std::string& key);
+template std::optional<Vec3i> Table::get(const std::string& key);
+template std::optional<std::vector<double>> Table::get(const std::string& key);
+template std::optional<std::vector<std::string>> Table::get(const std::string& key);
 
 std::optional<std::vector<std::vector<double>>> Table::rows(const std::string& key,
                                                             const std::set<std::size_t>& lengths,
@@ -305,7 +286,7 @@ std::optional<std::vector<std::vector<double>>> Table::rows(const std::string& k
   for (const Value& item : value->items()) {
     if (!item.is_list()) fail(key, shown_text(item), expected);
     std::vector<double> row;
-    for (const Value& one : item.items()) row.push_back(number_of(one, key, expected));
+    for (const Value& one : item.items()) row.push_back(finite_number(*this, one, key, expected));
     if (lengths.count(row.size()) == 0) fail(key, shown_text(item), expected);
     rows.push_back(std::move(row));
   }

@@ -19,6 +19,10 @@ namespace supple {
 
 /// True for a number that an int holds exactly.
 bool is_integer(double value);
+/// True for a value that is there and is a text.
+inline bool is_text(const Value* value) {
+  return value != nullptr && value->is_text();
+}
 
 class Table {
  public:
@@ -36,8 +40,8 @@ class Table {
   void read(const Fields& fields);
   /// `key`, or its former name where the table has that, with a warning.
   std::string present_name(const std::string& key, const std::string& former);
-  /// Keys that were read by their former names, of the whole file: one line each.
-  const std::vector<std::string>& warnings() const { return m_file_data->warnings; }
+  /// Keys that were read by their former names, of the file and those that it names: one line each.
+  const std::vector<std::string>& warnings() const { return *m_file_data->warnings; }
   /// Asks before any input that the file names is read, also by files that it names in turn; an
   /// error that it throws refuses the input.
   using Admits = std::function<void(const std::string& path)>;
@@ -45,33 +49,25 @@ class Table {
   const Admits& admits() const { return m_file_data->admits; }
   /// The root of the file that the key names.
   Table named_file(const std::string& key);
-  /// Adds the warnings of a file that this one names.
-  void take_warnings(const Table& other);
 
   /// Declares keys, so that an unknown one is reported before a missing one.
   void know(std::initializer_list<const char*> keys) { m_known.insert(keys.begin(), keys.end()); }
   /// True where the table has the key; also makes it a known one.
   bool has(const std::string& key) { return find(key) != nullptr; }
-  /// True where the key has a string; also makes it a known one.
-  bool is_string(const std::string& key);
-  /// True for a list whose first value is a string.
-  bool is_list_of_strings(const std::string& key);
+  /// The value of a key, null where there is none; also makes it a known one.
+  const Value* find(const std::string& key);
   /// The place "file:line" of the key or of the table.
   std::string place(const std::string& key = "") const;
   const std::string& file() const { return m_file_data->path; }
   /// Full name of a key, e.g. "step[2].grab", or the option behind it.
   std::string full_name(const std::string& key) const;
 
-  std::optional<std::string> string(const std::string& key);
+  /// The value of a key as bool, std::string, double (finite), long long, Vec3d, Vec3i, or
+  /// std::vector of texts or finite numbers.
+  template <class T>
+  std::optional<T> get(const std::string& key);
   /// The path of an input: relative ones start at the folder of the file.
   std::optional<std::string> path(const std::string& key);
-  std::optional<bool> boolean(const std::string& key);
-  std::optional<double> number(const std::string& key);
-  std::optional<long long> integer(const std::string& key);
-  std::optional<Vec3d> vector(const std::string& key);
-  std::optional<Vec3i> voxel(const std::string& key);
-  std::optional<std::vector<double>> numbers(const std::string& key);
-  std::optional<std::vector<std::string>> strings(const std::string& key);
   /// One path or a list of them, as path(); empty when absent.
   std::vector<std::string> paths(const std::string& key);
   /// List of lists of numbers, each of one of the allowed lengths.
@@ -85,9 +81,6 @@ class Table {
   std::vector<Table> tables(const std::string& key);
   /// Reads one table or an array of them; empty when absent.
   std::vector<Table> table_or_tables(const std::string& key);
-  /// The files that path() and paths() have given so far: by key and text the absolute path.
-  using Inputs = std::map<std::pair<std::string, std::string>, std::string>;
-  const Inputs& inputs() const { return m_file_data->inputs; }
   const Value& value() const { return *m_table; }
   /// The values with absolute paths of the inputs that have been read, so that they mean the same
   /// in any folder.
@@ -111,14 +104,14 @@ class Table {
   struct File {
     std::string path;
     std::map<std::string, std::string> options;
-    std::vector<std::string> warnings;
-    Inputs inputs;
+    /// Of path() and paths() so far: by key and text the absolute path.
+    std::map<std::pair<std::string, std::string>, std::string> inputs;
     Admits admits;
+    std::shared_ptr<std::vector<std::string>> warnings =
+        std::make_shared<std::vector<std::string>>();
   };
   Table(std::shared_ptr<const Value> table, std::shared_ptr<File> file, std::string name);
-  const Value* find(const std::string& key);
   Table below(const Value& table, std::string name) const;
-  double number_of(const Value& value, const std::string& key, const std::string& expected);
   /// Full name in a file, whatever option stands for it.
   std::string own_name(const std::string& key) const;
   std::string input(const std::string& key, const std::string& path);

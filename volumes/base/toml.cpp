@@ -31,10 +31,10 @@ std::string printed(const toml::value<T>& value) {
 Value value_of(const toml::node& node) {
   Value value;
   if (const toml::table* table = node.as_table()) {
-    value = Value::table();
+    value = Value::Entries();
     for (const auto& [key, entry] : *table) value[std::string(key.str())] = value_of(entry);
   } else if (const toml::array* list = node.as_array()) {
-    value = Value::list();
+    value = Value::List();
     for (const toml::node& item : *list) value.push_back(value_of(item));
   } else if (const auto* text = node.as_string()) {
     value = text->get();
@@ -51,7 +51,7 @@ Value value_of(const toml::node& node) {
   } else if (const auto* moment = node.as_date_time()) {
     value = Value::Moment{printed(*moment)};
   }
-  value.set_line(int(node.source().begin.line));
+  value.line = int(node.source().begin.line);
   return value;
 }
 
@@ -100,14 +100,14 @@ bool write_shown(const Value& value, std::string& line) {
   } else if (value.is_number() && !value.is_whole()) {
     line += exact_text(value.number());
   } else {
-    line += value.is_moment() ? value.moment() : json_text(value);
+    line += value.is_moment() ? value.text() : json_text(value);
   }
   return line.size() <= kLongestText;
 }
 
 bool write_exactly(const Value& value, std::string& line) {
   line += value.is_text()     ? toml_string(value.text())
-          : value.is_moment() ? value.moment()
+          : value.is_moment() ? value.text()
                               : json_text(value);
   return true;
 }

@@ -29,12 +29,6 @@ Value::Value(std::initializer_list<Value> values) {
   for (const Value& entry : values) (*this)[entry.front().text()] = entry.at(1);
 }
 
-Value Value::table() {
-  Value value;
-  value.m_data = Entries();
-  return value;
-}
-
 bool Value::truth() const {
   return held<bool>(m_data);
 }
@@ -48,20 +42,16 @@ double Value::number() const {
 }
 
 const std::string& Value::text() const {
-  return held<std::string>(m_data);
+  return is_moment() ? held<Moment>(m_data).text : held<std::string>(m_data);
 }
 
-const std::string& Value::moment() const {
-  return held<Moment>(m_data).text;
-}
-
-const Value::List& Value::items() const {
+const Value::List& Value::items() const& {
   static const List none;
   const List* list = std::get_if<List>(&m_data);
   return list != nullptr ? *list : none;
 }
 
-const Value::Entries& Value::entries() const {
+const Value::Entries& Value::entries() const& {
   static const Entries none;
   const Entries* entries = std::get_if<Entries>(&m_data);
   return entries != nullptr ? *entries : none;
@@ -109,10 +99,6 @@ void Value::update(const Value& other) {
   for (const auto& [key, value] : other.entries()) (*this)[key] = value;
 }
 
-Value& Value::at(std::size_t index) {
-  return const_cast<Value&>(items().at(index));
-}
-
 Value& Value::push_back(Value value) {
   if (is_null()) m_data = List();
   List* list = std::get_if<List>(&m_data);
@@ -123,13 +109,6 @@ Value& Value::push_back(Value value) {
 
 void Value::erase(std::size_t index) {
   if (auto* list = std::get_if<List>(&m_data)) list->erase(list->begin() + std::ptrdiff_t(index));
-}
-
-bool Value::operator==(const Value& other) const {
-  if (is_number() && other.is_number() && is_whole() != other.is_whole()) {
-    return number() == other.number();
-  }
-  return m_data == other.m_data;
 }
 
 std::vector<double> numbers_of(const Value& list) {

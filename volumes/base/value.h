@@ -20,6 +20,23 @@
 
 namespace supple {
 
+class Value;
+/// True for the types that become a value without being asked to.
+template <class T>
+constexpr bool makes_value = std::is_arithmetic_v<T> || std::is_convertible_v<T, std::string_view>;
+template <>
+constexpr bool makes_value<Value> = false;
+template <>
+constexpr bool makes_value<Vec3i> = true;
+template <>
+constexpr bool makes_value<Vec3d> = true;
+template <>
+constexpr bool makes_value<IndexBox> = true;
+template <class T>
+constexpr bool makes_value<std::vector<T>> = true;
+template <class T, std::size_t count>
+constexpr bool makes_value<std::array<T, count>> = true;
+
 class Value {
  public:
   struct Entry;
@@ -32,37 +49,31 @@ class Value {
   };
 
   Value() = default;
-  Value(std::nullptr_t) {}
-  /// Makes a truth, a whole number or another one.
-  template <class T, std::enable_if_t<std::is_arithmetic_v<T>, int> = 0>
-  Value(T number) {
-    if constexpr (std::is_same_v<T, bool>) {
-      m_data = number;
-    } else if constexpr (std::is_integral_v<T>) {
-      m_data = std::int64_t(number);
+  /// Makes a null, a truth, a whole number or another one, a text, or a list of the like; of a box
+  /// one list of both corners.
+  template <class T, std::enable_if_t<makes_value<T>, int> = 0>
+  Value(T given) {
+    if constexpr (std::is_same_v<T, std::nullptr_t>) {
+      m_data = std::monostate();
+    } else if constexpr (std::is_integral_v<T> && !std::is_same_v<T, bool>) {
+      m_data = std::int64_t(given);
+    } else if constexpr (std::is_floating_point_v<T>) {
+      m_data = double(given);
+    } else if constexpr (std::is_same_v<T, Vec3i> || std::is_same_v<T, Vec3d>) {
+      m_data = List{given.x, given.y, given.z};
+    } else if constexpr (std::is_same_v<T, IndexBox>) {
+      m_data = List{given.lo.x, given.lo.y, given.lo.z, given.hi.x, given.hi.y, given.hi.z};
+    } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, List> ||
+                         std::is_same_v<T, Entries> || std::is_same_v<T, Moment>) {
+      m_data = std::move(given);
+    } else if constexpr (std::is_convertible_v<T, std::string_view>) {
+      m_data = std::string(std::move(given));
     } else {
-      m_data = double(number);
+      m_data = List(given.cbegin(), given.cend());
     }
   }
-  Value(const char* text) : m_data(std::string(text)) {}
-  Value(std::string text) : m_data(std::move(text)) {}
-  Value(std::string_view text) : m_data(std::string(text)) {}
-  Value(Moment moment) : m_data(std::move(moment)) {}
-  Value(const Vec3i& v) : Value(std::array<int, 3>{v.x, v.y, v.z}) {}
-  Value(const Vec3d& v) : Value(std::array<double, 3>{v.x, v.y, v.z}) {}
-  /// Makes one list of both corners.
-  Value(const IndexBox& box)
-      : Value(std::array<int, 6>{box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z}) {}
-  template <class T>
-  Value(const std::vector<T>& values) : m_data(List(values.begin(), values.end())) {}
-  template <class T, std::size_t count>
-  Value(const std::array<T, count>& values) : m_data(List(values.begin(), values.end())) {}
-  Value(List&& values) : m_data(std::move(values)) {}
   /// A table where every value is a list of a text and another value, and else a list.
   Value(std::initializer_list<Value> values);
-  /// Make an empty list and an empty table.
-  static Value list() { return List(); }
-  static Value table();
 
   bool is_null() const { return std::holds_alternative<std::monostate>(m_data); }
   bool is_truth() const { return std::holds_alternative<bool>(m_data); }
@@ -77,15 +88,14 @@ class Value {
   bool truth() const;
   std::int64_t whole() const;
   double number() const;
+  /// The text, also of a moment.
   const std::string& text() const;
-  const std::string& moment() const;
-  /// The value, or this one where it is of another kind.
-  bool truth_or(bool otherwise) const { return is_truth() ? truth() : otherwise; }
-  std::string text_or(const std::string& otherwise) const { return is_text() ? text() : otherwise; }
 
-  /// Values of a list and entries of a table; none of anything else.
-  const List& items() const;
-  const Entries& entries() const;
+  /// Values of a list and entries of a table; none of anything else. They live as long as this.
+  const List& items() const&;
+  const List& items() const&& = delete;
+  const Entries& entries() const&;
+  const Entries& entries() const&& = delete;
   /// Number of items or entries.
   std::size_t size() const;
   bool empty() const { return size() == 0; }
@@ -104,22 +114,24 @@ class Value {
 
   /// An item, which must be there: throws std::out_of_range otherwise.
   const Value& at(std::size_t index) const { return items().at(index); }
-  Value& at(std::size_t index);
   const Value& operator[](std::size_t index) const { return at(index); }
-  Value& operator[](std::size_t index) { return at(index); }
+  Value& operator[](std::size_t index) { return const_cast<Value&>(items().at(index)); }
   const Value& front() const { return at(0); }
-  Value& back() { return at(size() - 1); }
+  Value& back() { return (*this)[size() - 1]; }
   /// A null becomes a list. Returns the value in it.
   Value& push_back(Value value);
   void erase(std::size_t index);
 
-  /// The line of the file, from 1; 0 where there is none.
-  int line() const { return m_line; }
-  void set_line(int line) { m_line = line; }
+  int line = 0;  // of the file, from 1; 0: there is none
 
   /// Compares values, whatever their lines.
-  bool operator==(const Value& other) const;
-  bool operator!=(const Value& other) const { return !(*this == other); }
+  friend bool operator==(const Value& a, const Value& b) {
+    if (a.is_whole() != b.is_whole() && a.is_number() && b.is_number()) {
+      return a.number() == b.number();
+    }
+    return a.m_data == b.m_data;
+  }
+  friend bool operator!=(const Value& a, const Value& b) { return !(a == b); }
 
  private:
   friend void for_each_text(Value& value, const std::string& key,
@@ -128,8 +140,9 @@ class Value {
 
   std::variant<std::monostate, bool, std::int64_t, double, std::string, Moment, List, Entries>
       m_data;
-  int m_line = 0;
 };
+template <>
+constexpr bool makes_value<Value::Moment> = true;
 
 struct Value::Entry {
   std::string key;

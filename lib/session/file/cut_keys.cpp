@@ -53,7 +53,7 @@ CutSurface read_plane(Table& table) {
 void read_curve_points(Table& table, CutSurface& surface) {
   CutCurve& curve = *surface.curve;
   const char* expected = "two points [x, y, z] or more, or a .mrk.json, .fcsv or .csv file";
-  if (!table.is_string("points")) {
+  if (!is_text(table.find("points"))) {
     const auto rows = table.require(table.rows("points", {3}, expected), "points", expected);
     for (const std::vector<double>& row : rows) curve.points.push_back({row[0], row[1], row[2]});
   } else {

@@ -30,11 +30,11 @@ std::optional<PointFile> read_points(Table& table, const std::string& key) {
 void read_corners(Table& table, PlacedSelection& given) {
   const bool in_voxels = given.frame == PlaceFrame::voxel;
   if (in_voxels) {
-    if (const auto voxel = table.voxel("grab")) given.corners = {Vec3d(*voxel), Vec3d(*voxel)};
-  } else if (const auto at = table.vector("grab")) {
+    if (const auto voxel = table.get<Vec3i>("grab")) given.corners = {Vec3d(*voxel), Vec3d(*voxel)};
+  } else if (const auto at = table.get<Vec3d>("grab")) {
     given.corners = {*at, *at};
   }
-  const auto row = table.numbers("grab_box");
+  const auto row = table.get<std::vector<double>>("grab_box");
   if (!row) return;
   if (given.corners) table.fail("grab_box", "grab and grab_box", "one of both");
   if (row->size() != 6) {
@@ -58,7 +58,7 @@ Value keys_that_hold(const Table& table) {
   for (const Field& field : fields(selection)) names.insert(field.name());
   names.erase("path");
   const Value written = table.written();
-  Value keys = Value::table();
+  Value keys = Value::Entries();
   for (const auto& [name, value] : written.entries()) {
     if (names.count(name) != 0) keys[name] = value;
   }
@@ -69,7 +69,7 @@ void read_selection(Table& table, const LabelNames& names, PlacedSelection& give
   given.place = table.place("grab");
   table.read(fields(given));
   read_corners(table, given);
-  given.at_lps_mm = table.vector("at_mm");
+  given.at_lps_mm = table.get<Vec3d>("at_mm");
   given.points = read_points(table, "points");
   given.label = read_label(table, "grab_label", names);
   const bool has_place = given.corners || given.at_lps_mm || given.ball;
@@ -171,16 +171,18 @@ std::optional<std::int32_t> read_label(Table& table, const std::string& key,
                                        const LabelNames& names) {
   if (!table.has(key)) return std::nullopt;
   return label_of(table, key,
-                  table.is_string(key) ? *table.string(key) : number_text(*table.number(key)),
+                  is_text(table.find(key)) ? *table.get<std::string>(key)
+                                           : number_text(*table.get<double>(key)),
                   names);
 }
 
 std::vector<std::int32_t> read_labels(Table& table, const std::string& key,
                                       const LabelNames& names) {
   std::vector<std::string> texts;
-  if (table.is_list_of_strings(key)) {
-    texts = *table.strings(key);
-  } else if (const auto numbers = table.numbers(key)) {
+  const Value* value = table.find(key);
+  if (value != nullptr && !value->items().empty() && value->front().is_text()) {
+    texts = *table.get<std::vector<std::string>>(key);
+  } else if (const auto numbers = table.get<std::vector<double>>(key)) {
     for (const double number : *numbers) texts.push_back(number_text(number));
   }
   std::vector<std::int32_t> labels;
@@ -244,7 +246,7 @@ PlacedSelection read_anchor(Table& table, const LabelNames& names) {
 ChosenPart read_part(Table& table, const LabelNames& names) {
   ChosenPart part;
   table.know(kOtherKeys);
-  part.name = table.string("name").value_or("");
+  part.name = table.get<std::string>("name").value_or("");
   read_selection(table, names, part.placed.emplace());
   if (part.placed->points) {
     table.fail("points", "points of a file", "a label, box, ball or densities");

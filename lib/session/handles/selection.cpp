@@ -207,7 +207,7 @@ SoftEdge soft_edge(const Selection& selection, double width_mm, const Body& body
 }
 
 Value selection_value(const Selection& selection) {
-  Value value = Value::table();
+  Value value = Value::Entries();
   if (const auto& box = selection.box) {
     value["grab_box"] = *box;
   }
@@ -280,7 +280,7 @@ SlotSet elements_of(const ChosenPart& part, const Body& body, const DensityGrid&
 }
 
 Value chosen_value(const ChosenPart& part) {
-  Value value = Value::table();
+  Value value = Value::Entries();
   if (part.selection) value = selection_value(*part.selection);
   if (part.label != 0) value["grab_label"] = part.label;
   if (!part.name.empty()) value["name"] = part.name;

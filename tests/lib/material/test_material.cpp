@@ -146,7 +146,7 @@ TEST(UnitMaterial, AnErrorShowsAListOrATableOnOneLine) {
   const auto found = [](const std::string& value) {
     Table table = Table::parse("key = " + value, "m.toml");
     try {
-      table.string("key");
+      table.get<std::string>("key");
     } catch (const InputError& error) {
       return error.problem().found;
     }

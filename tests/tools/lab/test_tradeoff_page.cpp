@@ -81,7 +81,7 @@ TEST(UnitTemplate, SectionsStandForItemsAndForWhatIsThere) {
   const Value values = {{"name", "a<b"},
                         {"none", nullptr},
                         {"list", Value::List{{{"name", "x"}}, {{"other", 0.25}}}},
-                        {"empty", Value::list()},
+                        {"empty", Value::List()},
                         {"words", std::vector<std::string>{"p", "q"}},
                         {"size", 0},
                         {"is_off", false}};

@@ -18,6 +18,13 @@ std::string again(const std::string& json) {
   return json_text(parse_json(json));
 }
 
+/// True if one can loop over what is in a value of this type.
+template <class Given, class = void>
+constexpr bool can_loop = false;
+template <class Given>
+constexpr bool can_loop<Given, std::void_t<decltype(std::declval<Given>().items()),
+                                           decltype(std::declval<Given>().entries())>> = true;
+
 /// The line of the error that reading a table ends with.
 template <class Read>
 std::string complaint(const Read& read) {
@@ -40,7 +47,7 @@ TEST(UnitValue, JsonIsWrittenAgainByteForByte) {
     EXPECT_EQ(again(text), text);
   }
   EXPECT_EQ(
-      json_text({{"a", {1, 2}}, {"b", Value::list()}, {"c", {{"d", nullptr}}}}, 2),
+      json_text({{"a", {1, 2}}, {"b", Value::List()}, {"c", {{"d", nullptr}}}}, 2),
       "{\n  \"a\": [\n    1,\n    2\n  ],\n  \"b\": [],\n  \"c\": {\n    \"d\": null\n  }\n}");
 }
 
@@ -85,19 +92,49 @@ TEST(UnitValue, TextThatIsNoJsonAndListsWithinListsAreRefused) {
   EXPECT_EQ(json_text(parse_json("{\"a\":1,\"b\":2,\"a\":3}")), "{\"a\":3,\"b\":2}");
 }
 
+TEST(UnitValue, LoopsOverATemporaryDoNotCompile) {
+  EXPECT_TRUE(can_loop<Value&>);
+  EXPECT_TRUE(can_loop<const Value&>);
+  EXPECT_FALSE(can_loop<Value>);
+  EXPECT_FALSE(can_loop<const Value>);
+}
+
+TEST(UnitValue, EveryKindOfNumberTextAndListMakesOne) {
+  const Value made = {nullptr,
+                      true,
+                      short(1),
+                      2.5f,
+                      "text",
+                      std::string("string"),
+                      std::string_view("view"),
+                      Vec3i(1, 2, 3),
+                      Vec3d(0.5, 1, 2),
+                      IndexBox{{1, 2, 3}, {4, 5, 6}},
+                      std::array<int, 2>{7, 8},
+                      std::vector<bool>{true, false},
+                      std::vector<std::string>{"a"},
+                      Value::List{1, "b"},
+                      Value::List(),
+                      Value::Entries{{"key", 1}},
+                      Value::Entries()};
+  EXPECT_EQ(json_text(made),
+            "[null,true,1,2.5,\"text\",\"string\",\"view\",[1,2,3],[0.5,1.0,2.0],[1,2,3,4,5,6],"
+            "[7,8],[true,false],[\"a\"],[1,\"b\"],[],{\"key\":1},{}]");
+}
+
 TEST(UnitValue, KnowsTheLineThatItCameFrom) {
   const Value json = parse_json("{\"a\": 1,\n\"b\": [\n2,\n3\n],\n\n\"c\": {\"d\":\n\"text\"}\n}");
-  EXPECT_EQ(json.line(), 1);
-  EXPECT_EQ(json["a"].line(), 1);
-  EXPECT_EQ(json["b"].line(), 2);
-  EXPECT_EQ(json["b"].at(0).line(), 3);
-  EXPECT_EQ(json["b"].at(1).line(), 4) << "a number ends where its line does";
-  EXPECT_EQ(json["c"].line(), 7);
-  EXPECT_EQ(json["c"]["d"].line(), 8);
+  EXPECT_EQ(json.line, 1);
+  EXPECT_EQ(json["a"].line, 1);
+  EXPECT_EQ(json["b"].line, 2);
+  EXPECT_EQ(json["b"].at(0).line, 3);
+  EXPECT_EQ(json["b"].at(1).line, 4) << "a number ends where its line does";
+  EXPECT_EQ(json["c"].line, 7);
+  EXPECT_EQ(json["c"]["d"].line, 8);
   const Value toml = parse_toml("b = 2\n\na = [1,\n 2]\n[t]\nx = \"y\"\n", "f.toml");
-  EXPECT_EQ(toml["b"].line(), 1);
-  EXPECT_EQ(toml["a"].at(1).line(), 4);
-  EXPECT_EQ(toml["t"]["x"].line(), 6);
+  EXPECT_EQ(toml["b"].line, 1);
+  EXPECT_EQ(toml["a"].at(1).line, 4);
+  EXPECT_EQ(toml["t"]["x"].line, 6);
   EXPECT_EQ(json_text(toml), "{\"a\":[1,2],\"b\":2,\"t\":{\"x\":\"y\"}}") << "keys ascend";
 }
 
@@ -138,7 +175,7 @@ TEST(UnitValue, ADocumentOfTomlReadsAsWhatItSays) {
   const Value root = {{"volume", {{"path", "a \"b\"\n.nrrd"}, {"two words", 1}}},
                       {"step",
                        {{{"handles", Value::List{{{"grab", {1, 2, 3}}, {"by", {0.5, 1e-7, 2.0}}}}},
-                         {"relax", Value::table()}},
+                         {"relax", Value::Entries()}},
                         {{"release", true}}}}};
   const std::string text = toml_document(root);
   EXPECT_EQ(
@@ -161,14 +198,14 @@ TEST(UnitValue, MessagesShowValuesInOneShortLine) {
 TEST(UnitTable, ReadsJsonAndOptionsAsStrictlyAsToml) {
   const std::string json = "{\"size\": 3,\n\"colour\": [1, null],\n\"colours\": 1}";
   Table table(parse_json(json), "f.json");
-  EXPECT_EQ(table.integer("size"), 3);
-  EXPECT_EQ(complaint([&] { table.numbers("colour"); }),
+  EXPECT_EQ(table.get<long long>("size"), 3);
+  EXPECT_EQ(complaint([&] { table.get<std::vector<double>>("colour"); }),
             "f.json:2: colour: found null, expected a list of finite numbers");
   EXPECT_EQ(complaint([&] { table.finish(); }),
             "f.json:3: colours: found an unknown key, expected a known one: did you mean "
             "'colour'?");
   Table options({{"step", Value::List{{{"soft", "x"}}}}}, "", {{"step[1].soft", "--soft"}});
-  EXPECT_EQ(complaint([&] { options.tables("step").front().number("soft"); }),
+  EXPECT_EQ(complaint([&] { options.tables("step").front().get<double>("soft"); }),
             "--soft: found 'x', expected a finite number");
 }
 

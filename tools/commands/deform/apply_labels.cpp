@@ -98,7 +98,7 @@ Value to_value(const LabelReport& report) {
   const Vec3i& dims = report.grid.dims();
   Value json = {{"dims", {dims.x, dims.y, dims.z}},
                 {"unresolved", report.unresolved},
-                {"labels", Value::list()}};
+                {"labels", Value::List()}};
   for (const auto& [label, voxels] : report.before) {
     if (json["labels"].size() == kListed) break;
     const auto after = report.after.find(label);

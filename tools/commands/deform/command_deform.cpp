@@ -38,7 +38,7 @@ struct DeformOptions {
 /// Every --grab takes the next --by, except those that say how they move: tables with a motion, and
 /// files whose points have displacements.
 Value handle_tables(const DeformOptions& options) {
-  Value tables = Value::list();
+  Value tables = Value::List();
   std::size_t bys = 0;
   for (const std::string& text : options.grabs) {
     const GrabText grab = parse_grab("--grab", text);
@@ -79,7 +79,7 @@ void set_loads(const std::vector<std::string>& loads, SceneOptions& given) {
 
 /// QUANTITY=FILE of each.
 Value element_table(const std::vector<std::string>& texts) {
-  Value entries = Value::table();
+  Value entries = Value::Entries();
   for (const std::string& text : texts) {
     NamedFile named = named_file("--elements", text);
     entries[named.name] = std::move(named.file);

@@ -67,7 +67,7 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
       json["outcome"] = outcome_json(*scene_plan, outcome);
     }
     if (choice) json["chosen"] = choice_json(*choice, solve_s);
-    json["steps"] = Value::list();
+    json["steps"] = Value::List();
     if (run.session() != nullptr) {
       for (const StepRecord& record : run.session()->records()) {
         json["steps"].push_back(to_value(record));

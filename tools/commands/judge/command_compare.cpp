@@ -159,7 +159,7 @@ Value errors_json(const EndpointErrors& errors, const char* counted) {
 }
 
 Value overlaps_json(const LabelOverlaps& overlaps) {
-  Value json = {{"mean_dice", nullptr}, {"labels", Value::table()}};
+  Value json = {{"mean_dice", nullptr}, {"labels", Value::Entries()}};
   if (const auto mean = mean_dice(overlaps)) json["mean_dice"] = *mean;
   for (const auto& [label, overlap] : overlaps) {
     json["labels"][number_text(label)] = {{"voxels_a", overlap.in_a},

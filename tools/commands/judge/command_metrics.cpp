@@ -205,7 +205,7 @@ int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Cons
   if (!measured.direction.empty()) json["direction"] = measured.direction;
   json.update(summary_json(whole));
   if (!labels.empty()) {
-    json["labels"] = Value::table();
+    json["labels"] = Value::Entries();
     for (const auto& [label, summary] : summarize_labels(maps, labels, geometry, within)) {
       json["labels"][std::to_string(label)] = summary_json(summary);
     }

@@ -41,7 +41,7 @@ std::pair<std::string, std::string> halves(const std::string& option, const std:
 }
 
 Value clip_tables(const RenderOptions& options) {
-  Value tables = Value::list();
+  Value tables = Value::List();
   const auto add = [&](const char* key, Value shape) {
     tables.push_back(
         {{key, std::move(shape)}, {"keep", options.clip_keep}, {"space", options.clip_space}});
@@ -99,7 +99,7 @@ Value mesh_table(const RenderOptions& options, const std::string& text) {
 
 template <class ToTable>
 Value list_of(const std::vector<std::string>& texts, const ToTable& to_table) {
-  Value list = Value::list();
+  Value list = Value::List();
   for (const std::string& text : texts) list.push_back(to_table(text));
   return list;
 }
@@ -240,7 +240,8 @@ Command add_render(CLI::App& program) {
   Clip clip;
   for (const Field& field : fields(clip)) {
     std::string& value = field.name() == "keep" ? options->clip_keep : options->clip_space;
-    app->add_option("--clip-" + field.name(), value, field.help() + " (default: " + value + ")")
+    app->add_option("--clip-" + field.name(), value,
+                    field.traits().help + " (default: " + value + ")")
         ->check(CLI::IsMember(field.names()))
         ->option_text(field.placeholder());
   }

@@ -41,7 +41,7 @@ void add_geometry(Value& json, const Geometry& geometry) {
   json["dims"] = {geometry.dims().x, geometry.dims().y, geometry.dims().z};
   json["spacing_mm"] = geometry.spacing_mm();
   json["origin_lps_mm"] = origin;
-  Value rows = Value::list(), affine = Value::list();
+  Value rows = Value::List(), affine = Value::List();
   for (int row = 0; row < 3; ++row) {
     rows.push_back({direction[0][row], direction[1][row], direction[2][row]});
     affine.push_back({axes[0][row], axes[1][row], axes[2][row], origin[row]});
@@ -218,7 +218,7 @@ Value describe_mesh(const MeshContents& contents) {
                 {"high_lps_mm", contents.high_lps_mm}};
   for (const bool is_of_cells : {false, true}) {
     Value& arrays = json[is_of_cells ? "cell_arrays" : "point_arrays"];
-    arrays = Value::table();
+    arrays = Value::Entries();
     for (const MeshArray& array : contents.arrays) {
       if (array.is_of_cells == is_of_cells) arrays[array.name] = array.components;
     }
@@ -269,7 +269,7 @@ Value describe(const std::string& path, const ReadOptions& read, Console& consol
 /// entry with the line and the exit code that it would have alone. The exit code of all is that of
 /// the first of these.
 int run_on_several(const InfoOptions& options, const GlobalOptions& global, Console& console) {
-  Value all = Value::list();
+  Value all = Value::List();
   int exit_code = kOk;
   const char* gap = "";
   const auto refuse = [&](const std::string& path, int code, const std::string& line) {

@@ -61,7 +61,7 @@ Value describe(const ProbedPlace& place) {
 /// The limits of the links to the six neighbours, as factors of the voxel size along the link.
 Value links_at(const Body& body, Slot slot) {
   const MaterialClasses classes(body.material);
-  Value links = Value::list();
+  Value links = Value::List();
   for (int axis = 0; axis < 3; ++axis) {
     for (const bool ahead : {false, true}) {
       const std::string name = std::string(ahead ? "+" : "-") + "ijk"[axis];
@@ -121,7 +121,7 @@ Value probe_body(const ProbeOptions& options, bool is_state, Console& console) {
   }
   Session session(options.input, given, &console);
   const State state = session.state();
-  Value json = Value::list();
+  Value json = Value::List();
   std::vector<Vec3i> voxels;
   for (const std::string& text : options.at) {
     const ProbedPlace place = place_at(text, session.geometry());
@@ -143,7 +143,7 @@ Value probe_body(const ProbeOptions& options, bool is_state, Console& console) {
 Value probe_volume(const ProbeOptions& options) {
   const auto file = open_volume(options.input, options.read);
   const Geometry geometry = file->header().geometry;
-  Value json = Value::list();
+  Value json = Value::List();
   std::vector<Vec3i> voxels;
   for (const std::string& text : options.at) {
     const ProbedPlace place = place_at(text, geometry);

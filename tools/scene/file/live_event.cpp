@@ -46,16 +46,16 @@ Value other_keys(const Table& table, const Fields& own) {
 void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
   Drag& handle = event.step.drags.emplace_back();
   static_cast<PlacedSelection&>(handle.placed.emplace()) = read_anchor(table, names);
-  handle.soft_mm = table.number("soft").value_or(0);
-  handle.spares_fixed = table.boolean("spare_fixed").value_or(false);
-  handle.slides = table.boolean("slide").value_or(false);
+  handle.soft_mm = table.get<double>("soft").value_or(0);
+  handle.spares_fixed = table.get<bool>("spare_fixed").value_or(false);
+  handle.slides = table.get<bool>("slide").value_or(false);
   handle.pushes = event.kind == EventKind::push;
 }
 
 void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
   StepKeys keys;
   const Fields all = fields(event.step, keys);
-  table.require(table.string("model"), "model", model_names("\""));
+  table.require(table.get<std::string>("model"), "model", model_names("\""));
   table.read({all.front()});
   read_model(table, names, keys.model, event.step);
   if (!event.step.fem || (!event.step.fem->modes && !event.step.fem->motion)) return;
@@ -84,7 +84,7 @@ void read_keys(Table& table, const LabelNames& names, LiveEvent& event) {
     case EventKind::push:
       return read_grab(table, names, event);
     case EventKind::drag:
-      table.require(table.vector("to"), "to", "[x, y, z] in mm");
+      table.require(table.get<Vec3d>("to"), "to", "[x, y, z] in mm");
       return;
     case EventKind::anchor:
       event.step.fix.emplace_back().placed = read_anchor(table, names);

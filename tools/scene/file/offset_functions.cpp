@@ -82,7 +82,7 @@ struct BoxKey {
 };
 
 BoxKey read_box(Table& table) {
-  const BoxKey box{table.numbers("box")};
+  const BoxKey box{table.get<std::vector<double>>("box")};
   if (box.corners && box.corners->size() != 6) {
     table.fail("box", std::to_string(box.corners->size()) + " numbers",
                "six voxel coordinates [i0, j0, k0, i1, j1, k1]");
@@ -91,7 +91,7 @@ BoxKey read_box(Table& table) {
 }
 
 std::array<int, 3> read_counts(Table& table, const std::string& key, const std::string& expected) {
-  const auto counts = table.voxel(key);
+  const auto counts = table.get<Vec3i>(key);
   const Vec3i found = table.require(counts, key, expected);
   return {found.x, found.y, found.z};
 }
@@ -218,7 +218,7 @@ OffsetFunction read_function(Table& table) {
   function.place = table.place();
   function.name = table.full_name("");
   function.given = table.value();
-  const auto name = table.string("function");
+  const auto name = table.get<std::string>("function");
   if (!name) {
     table.fail("function", "nothing", "bend, twist, taper, cut-open, explode or lattice");
   }
@@ -264,13 +264,12 @@ std::vector<OffsetFunction> read_functions(Table& table, const std::string& key)
 
 std::vector<OffsetFunction> read_path(Table& table) {
   const std::string key = table.present_name("path", "offset");
-  if (table.is_string(key)) {
+  if (is_text(table.find(key))) {
     Table file = table.named_file(key);
     std::vector<OffsetFunction> functions =
         read_functions(file, file.present_name("path", "offset"));
     if (functions.empty()) file.fail_missing("path", "a table with a function, or a list of them");
     file.finish();
-    table.take_warnings(file);
     return functions;
   }
   return read_functions(table, key);

@@ -62,16 +62,19 @@ std::vector<std::string> SceneOutput::all() const {
 
 SceneOutput read_output(Table& table) {
   SceneOutput output;
-  output.state = table.string("state").value_or("");
-  output.refers = table.boolean("refer").value_or(false);
-  output.offsets = table.strings("offsets").value_or(std::vector<std::string>{});
-  output.displacements = table.strings("displacements").value_or(std::vector<std::string>{});
-  output.volumes = table.strings("volumes").value_or(std::vector<std::string>{});
-  output.forces = table.string("forces").value_or("");
-  output.motion = table.string("motion").value_or("");
+  output.state = table.get<std::string>("state").value_or("");
+  output.refers = table.get<bool>("refer").value_or(false);
+  output.offsets =
+      table.get<std::vector<std::string>>("offsets").value_or(std::vector<std::string>{});
+  output.displacements =
+      table.get<std::vector<std::string>>("displacements").value_or(std::vector<std::string>{});
+  output.volumes =
+      table.get<std::vector<std::string>>("volumes").value_or(std::vector<std::string>{});
+  output.forces = table.get<std::string>("forces").value_or("");
+  output.motion = table.get<std::string>("motion").value_or("");
   if (auto elements = table.table("elements")) {
     for (const auto& [quantity, name] : kFemQuantities) {
-      if (const auto path = elements->string(std::string(name))) {
+      if (const auto path = elements->get<std::string>(std::string(name))) {
         output.elements.push_back({quantity, *path, table.full_name("elements")});
       }
     }

@@ -129,7 +129,7 @@ Fields fields(CameraKey& key) {
 }
 
 CameraChoice read_camera_choice(Table& view) {
-  if (view.is_string("camera")) return read_camera(view.named_file("camera"));
+  if (is_text(view.find("camera"))) return read_camera(view.named_file("camera"));
   if (const auto camera = view.table("camera")) return read_camera(*camera);
   return {};
 }
@@ -166,7 +166,7 @@ Fields half_space_fields(HalfSpace& half) {
 }
 
 std::pair<Vec3d, Vec3d> read_corners(Table& table) {
-  const auto corners = table.numbers("box");
+  const auto corners = table.get<std::vector<double>>("box");
   if (corners->size() != 6) {
     table.fail("box", std::to_string(corners->size()) + " numbers",
                "six voxel coordinates [i0, j0, k0, i1, j1, k1]");
@@ -203,7 +203,7 @@ void refuse_beside_slice(const Table& table, const Fields& fields) {
   for (const std::string& key : table.keys()) {
     const bool is_of_slices = key == "slice" || key == "path" || key == "offset" ||
                               std::any_of(fields.begin(), fields.end(), [&](const Field& field) {
-                                return field.is_for_slices() && field.name() == key;
+                                return field.traits().is_for_slices && field.name() == key;
                               });
     if (!is_of_slices) table.fail(key, key + " beside slice", "one of both");
   }
@@ -284,7 +284,7 @@ SceneView read_view(Table& table, int steps) {
   table.read(fields(view));
   if (table.has("transfer")) {
     if (!view.preset.empty()) table.fail("transfer", "preset and transfer", "one of both");
-    if (table.is_string("transfer")) {
+    if (is_text(table.find("transfer"))) {
       view.transfer = read_transfer_function(*table.path("transfer"));
     } else if (auto transfer = table.table("transfer")) {
       view.transfer = read_transfer_function(*transfer);

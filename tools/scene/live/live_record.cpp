@@ -12,7 +12,7 @@ std::string absolute(const std::string& path) {
 
 /// The tables of the file that say what is opened.
 Value head_of(const Value& file, const Scene& scene) {
-  Value head = Value::table();
+  Value head = Value::Entries();
   head["volume"] = file["volume"];
   head["volume"]["path"] = absolute(scene.volume_path);
   if (file.contains("labels")) head["labels"] = {{"path", absolute(scene.labels_path)}};

@@ -65,7 +65,7 @@ void LiveView::begin_with_look(const std::string& preset) {
 }
 
 Value LiveView::part(EventKind kind) const {
-  Value part = Value::table();
+  Value part = Value::Entries();
   for (const char* key : keys_of(kind)) {
     if (m_keys.contains(key)) part[key] = m_keys[key];
   }

@@ -25,7 +25,7 @@ void require_numbers(const Value& value) {
 
 /// Returns the keys of a recorded drag that say what it took hold of.
 Value handle_of(const Value& drag) {
-  Value keys = Value::table();
+  Value keys = Value::Entries();
   for (const char* key : {"grab", "grab_box", "grab_ball", "radius", "grab_label", "grab_density",
                           "rigid_at", "piece_at"}) {
     if (!drag.contains(key)) continue;
@@ -49,7 +49,7 @@ StateParts::Cut cut_of(Value cut) {
 }
 
 void add_step(const Value& step, StateParts& parts) {
-  if (step["release"].truth_or(false)) parts.handles.clear();
+  if (step["release"] == true) parts.handles.clear();
   for (const Value& drag : step["handles"].items()) {
     const Value keys = handle_of(drag);
     const bool is_new =

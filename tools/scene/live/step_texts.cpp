@@ -174,8 +174,8 @@ std::string look_text(const DoneLook& look) {
     const std::size_t clips = look.after["clip"].size();
     return clips == 0 ? "no clips" : with_count(std::int64_t(clips), "clip");
   }
-  const std::string preset = look.after["preset"].text_or("");
-  return preset.empty() ? "look of its own" : "look " + preset;
+  const Value& preset = look.after["preset"];
+  return preset.is_text() && preset != "" ? "look " + preset.text() : "look of its own";
 }
 
 History history_of(const LiveHistory& history) {

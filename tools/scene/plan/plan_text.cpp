@@ -72,7 +72,7 @@ std::string text_of_plan(const ScenePlan& plan) {
 
 Value to_value(const ScenePlan& plan) {
   Value json;
-  json["rows"] = Value::list();
+  json["rows"] = Value::List();
   for (const PlanRow& row : plan.rows) {
     json["rows"].push_back({{"stage", row.stage},
                             {"what", row.what},
@@ -81,7 +81,7 @@ Value to_value(const ScenePlan& plan) {
                             {"brief_mb", rounded(row.brief_mb, 1e-3)},
                             {"seconds", rounded(row.seconds, 1e-6)}});
   }
-  json["not"] = Value::list();
+  json["not"] = Value::List();
   for (const PlanGap& gap : plan.gaps)
     json["not"].push_back({{"what", gap.what}, {"why", gap.why}});
   json["peak_mb"] = rounded(plan.peak_mb, 1e-3);

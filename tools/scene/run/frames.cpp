@@ -302,7 +302,7 @@ class ViewDrawing {
   }
 
   std::string describe(const SceneView& frame, int n, double fraction) const {
-    Value more = Value::table();
+    Value more = Value::Entries();
     if (m_options.stereo != StereoMode::none) {
       more["stereo"] = m_options.stereo == StereoMode::anaglyph ? "anaglyph" : "side-by-side";
       more["eye_separation"] = m_options.eye_separation_mm;

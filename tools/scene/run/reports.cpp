@@ -57,7 +57,7 @@ Value to_value(const SpringRecord& record) {
 
 Value to_value(const ModesRecord& record) {
   const ModesReport& report = record.report;
-  Value modes = Value::list();
+  Value modes = Value::List();
   for (const ModeRow& mode : record.modes) {
     modes.push_back({{"frequency_hz", mode.frequency_hz},
                      {"participation_kg_half", mode.participation_kg_half},
@@ -259,7 +259,7 @@ Value to_value(const EcmReport& report, std::int64_t cut_links) {
 }
 
 Value to_value(const std::vector<HandleReaction>& reactions) {
-  Value json = Value::list();
+  Value json = Value::List();
   for (const HandleReaction& held : reactions) {
     const Vec3d& n = held.reaction.force_n;
     json.push_back({{"step", held.step},
@@ -275,7 +275,7 @@ Value to_value(const std::vector<HandleReaction>& reactions) {
 }  // namespace
 
 Value to_value(const std::vector<HandlePlace>& places) {
-  Value json = Value::list();
+  Value json = Value::List();
   for (const HandlePlace& place : places) {
     json.push_back({{"grab", place.name},
                     {"elements", place.elements},
@@ -288,7 +288,7 @@ Value to_value(const std::vector<HandlePlace>& places) {
 }
 
 Value to_value(const RigidPieces& pieces) {
-  Value list = Value::list();
+  Value list = Value::List();
   for (const RigidPiece& piece : pieces.list) {
     const auto shift = [&](std::size_t c) { return double(piece.pose.shift_q[c]) / kFixedOne; };
     list.push_back({{"name", piece.name},
@@ -320,7 +320,7 @@ Value to_value(const MeshRecord& record, const StepRecord& step) {
   springs["springs_ms"] = report.milliseconds;
   json["settings"] = settings_value(*step.springs);
   json["springs"] = std::move(springs);
-  json["reactions"] = Value::list();
+  json["reactions"] = Value::List();
   for (const Reaction& reaction : report.reactions) {
     json["reactions"].push_back({{"force_n", reaction.force_n}});
   }

@@ -23,7 +23,7 @@ Value to_value(const MeshChoice& choice) {
 }
 
 Value to_value(const ClipChoice& choice) {
-  Value json = Value::table();
+  Value json = Value::Entries();
   if (choice.voxel_corners) {
     json["box"] = {choice.voxel_corners->first, choice.voxel_corners->second};
   }

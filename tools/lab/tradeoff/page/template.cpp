@@ -12,7 +12,7 @@ namespace {
 bool is_there(const Value& value) {
   if (value.is_text()) return !value.text().empty();
   if (value.is_list() || value.is_table()) return !value.empty();
-  return !value.is_null() && value.truth_or(true);
+  return !value.is_null() && value != false;
 }
 
 std::string text_of_value(const Value& value) {

@@ -34,7 +34,7 @@ struct Axis {
     return begin + (std::log10(value) - lo) / (hi - lo) * (end - begin);
   }
   Value ticks() const {
-    Value ticks = Value::list();
+    Value ticks = Value::List();
     for (double power = lo; power <= hi; ++power) {
       const double value = std::pow(10, power), at = place(value);
       ticks.push_back({{"at", at}, {"below", at + 4}, {"value", value}});
@@ -57,7 +57,7 @@ class ChartPlaces {
                     {"floor_height", kBottom - floor},  {"above_floor", floor - 4},
                     {"front", way_of(m_chart.front)},   {"misses", misses()},
                     {"chart_style", kChartStyle}};
-    Value& curves = values["curves"] = Value::list();
+    Value& curves = values["curves"] = Value::List();
     for (std::size_t c = 0; c < m_chart.curves.size(); ++c) curves.push_back(curve(c));
     const int legend_end = int(kTop) + 6 + 19 * int(m_chart.curves.size());
     values["legend_end"] = legend_end;
@@ -89,7 +89,7 @@ class ChartPlaces {
   double y_of(const ChartPoint& point) const { return m_y.place(std::max(point.y, m_chart.floor)); }
 
   std::string way_of(const std::vector<ChartPoint>& points) const {
-    Value places = Value::list();
+    Value places = Value::List();
     for (const ChartPoint& point : points) {
       places.push_back({{"x", x_of(point.x)}, {"y", y_of(point)}});
     }
@@ -99,7 +99,7 @@ class ChartPlaces {
 
   Value curve(std::size_t c) const {
     const ChartCurve& curve = m_chart.curves[c];
-    Value points = Value::list();
+    Value points = Value::List();
     for (const ChartPoint& point : curve.points) {
       points.push_back({{"x", x_of(point.x)},
                         {"x_least", x_of(point.x_least)},
@@ -119,7 +119,7 @@ class ChartPlaces {
 
   /// Crosses, side by side along their edge.
   Value misses() const {
-    Value crosses = Value::list();
+    Value crosses = Value::List();
     double slow = 0, failed = 0;
     for (const ChartMiss& miss : m_chart.misses) {
       crosses.push_back({{"x", miss.is_slow ? kRight + 8 : kLeft + 12 + 14 * failed++},

@@ -146,7 +146,7 @@ Value choice_of(const TradeResults& results, const HeldOutChoice& choice) {
 Value held_out_of(const TradeResults& results) {
   const std::vector<HeldOutChoice> choices = check_held_out(results.rows, results.floor_mm());
   Value value = {{"summary", summary_of(choices)}, {"floor", mm_text(results.floor_mm())}};
-  Value& lines = value["choices"] = Value::list();
+  Value& lines = value["choices"] = Value::List();
   for (const HeldOutChoice& choice : choices) lines.push_back(choice_of(results, choice));
   return value;
 }
@@ -164,7 +164,7 @@ class PartOfPage {
                   {"floor", short_number(m_curves.floor)},
                   {"chart", to_svg(chart_of(m_results, m_curves))},
                   {"pictures", pictures()},
-                  {"tables", m_scene.is_held_out ? Value::list() : tables()},
+                  {"tables", m_scene.is_held_out ? Value::List() : tables()},
                   {"heads", heads()}};
     if (!m_curves.are_drawings) {
       part["solving"] = {
@@ -175,7 +175,7 @@ class PartOfPage {
           {"reference_warning", reference.warning}};
       if (m_scene.is_held_out) part["held_out"] = held_out_of(m_results);
     }
-    Value& rows = part["rows"] = Value::list();
+    Value& rows = part["rows"] = Value::List();
     for (const std::size_t r : m_curves.rows) rows.push_back(row(r));
     return part;
   }
@@ -193,12 +193,12 @@ class PartOfPage {
         if (found) best[n] = std::min(best[n], found->value);
       }
     }
-    Value lines = Value::list();
+    Value lines = Value::List();
     for (const MethodCurve& curve : m_curves.methods) {
-      Value& cells = lines.push_back({{"title", curve.title}})["cells"] = Value::list();
+      Value& cells = lines.push_back({{"title", curve.title}})["cells"] = Value::List();
       for (std::size_t n = 0; n < values.size(); ++n) {
         const auto found = read(curve.points, values[n], m_curves.floor);
-        Value& cell = cells.push_back(Value::table());
+        Value& cell = cells.push_back(Value::Entries());
         if (!found) continue;
         const bool is_between = found->row_a != found->row_b;
         cell = {{"id", row_id(found->row_b)},
@@ -211,7 +211,7 @@ class PartOfPage {
   }
 
   Value tables() const {
-    Value both = Value::list();
+    Value both = Value::List();
     if (m_curves.are_drawings) {
       both.push_back(table("Time of inverse and rendering to a likeness", kErrorsOfPictures,
                            ssim_text, time_text, time_to_error));
@@ -287,7 +287,7 @@ class PartOfPage {
 
   /// Figures of all rows that left a picture: the reference and the front, then the others, folded.
   Value pictures() const {
-    Value first = Value::list(), rest = Value::list();
+    Value first = Value::List(), rest = Value::List();
     add_figure(first, m_curves.reference);
     for (const TradePoint& point : m_curves.front) add_figure(first, point.row);
     for (const std::size_t r : m_curves.rows) {
@@ -296,7 +296,7 @@ class PartOfPage {
       if (r != m_curves.reference && !is_of_front) add_figure(rest, r);
     }
     if (first.empty() && rest.empty()) return nullptr;
-    Value groups = Value::list();
+    Value groups = Value::List();
     groups.push_back({{"is_folded", false}, {"figures", first}});
     if (!rest.empty()) groups.push_back({{"is_folded", true}, {"figures", rest}});
     return {{"groups", groups}, {"is_there", true}};
@@ -313,9 +313,9 @@ std::string trade_page(const TradeResults& results) {
   Value page = {{"chart_style", kChartStyle},
                 {"machine", results.machine},
                 {"version", results.rows.empty() ? "" : results.rows.front().version}};
-  Value& scenes = page["scenes"] = Value::list();
+  Value& scenes = page["scenes"] = Value::List();
   for (const TradeScene& scene : results.scenes) {
-    Value& parts = scenes.push_back({{"file", scene.file}, {"parts", Value::list()}})["parts"];
+    Value& parts = scenes.push_back({{"file", scene.file}, {"parts", Value::List()}})["parts"];
     parts.push_back(PartOfPage(results, scene, false).all());
     if (scene.has_drawings) parts.push_back(PartOfPage(results, scene, true).all());
   }
