@@ -65,7 +65,7 @@ void RelaxModel::keep_diagonals() {
 void RelaxModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
   put();
   keep_diagonals();
-  m_drag = EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
+  EcmSolver(m_held.body).drag(handles, m_held.anchors, m_held.holds, progress);
   m_anchored = anchored_elements(m_held.body, m_held.anchors, m_held.holds);
   begin();
 }

@@ -31,8 +31,6 @@ class RelaxModel final : public Model<Handle> {
 
   /// The report of all passes and stores so far; its last energy costs as much as a pass.
   RelaxReport report();
-  /// The report of the drag in the last move().
-  const EcmReport& drag_report() const { return m_drag; }
 
  private:
   void begin();
@@ -47,7 +45,6 @@ class RelaxModel final : public Model<Handle> {
   SlotSet m_anchored;
   std::unique_ptr<Relaxation> m_relaxation;
   RelaxReport m_report;
-  EcmReport m_drag;
   int m_stored_passes = 0;
   int m_next_look = 0;  // pass in which the forces are asked next
   double m_work = 0;    // of earlier relaxations, when a move began a new one

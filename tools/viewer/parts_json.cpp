@@ -1,10 +1,9 @@
-#include "tools/viewer/parts_json.h"
-
 #include <algorithm>
 
 #include "lib/session/handles/handle_motion.h"
 #include "lib/session/handles/handles.h"
 #include "tools/scene/run/reports.h"
+#include "tools/viewer/scene_json.h"
 #include "volumes/base/json.h"
 
 namespace supple::tools {

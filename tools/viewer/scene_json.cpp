@@ -7,7 +7,6 @@
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
 #include "tools/viewer/page_queries.h"
-#include "tools/viewer/parts_json.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple::tools {

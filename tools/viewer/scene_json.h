@@ -12,6 +12,16 @@ namespace supple::tools {
 /// A transfer function as the message `presets` has it.
 Value transfer_json(const TransferFunction& function);
 
+/// The parts that a session holds, fixes and has cut: keys of events, and where they are now.
+/// Numbered as a release counts them, where one can be let go of; those of the state that was
+/// opened have no number, and its handles hold nothing. Handles without a middle are not listed.
+Value handles_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                   const Displacement& moved);
+Value anchors_json(const HeldParts& held, const StateParts& of_state, const State& state,
+                   const Displacement& moved);
+Value cuts_json(const std::vector<DoneStep>& done, const StateParts& of_state, const State& state,
+                const Displacement& moved);
+
 class SceneDescription {
  public:
   /// All outlive it. No event has been carried out so far.

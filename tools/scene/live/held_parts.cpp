@@ -1,4 +1,5 @@
-#include "tools/scene/live/held_parts.h"
+// Parts that the steps of a live session hold and fix, one by one, as people let go of them.
+#include "tools/scene/live/live_session.h"
 
 namespace supple::tools {
 
@@ -33,20 +34,7 @@ void add_parts(const Step& step, HeldParts& parts) {
   }
 }
 
-}  // namespace
-
-HeldParts held_parts(const std::vector<DoneStep>& done, bool is_state_anchored) {
-  HeldParts parts;
-  parts.has_others = is_state_anchored;
-  int last_stroke = -1;
-  for (const DoneStep& step : done) {
-    const bool is_same_drag = step.kind == EventKind::drag && step.stroke == last_stroke;
-    last_stroke = step.stroke;
-    if (!is_same_drag) add_parts(step.step, parts);
-  }
-  return parts;
-}
-
+/// A step that lets go of everything but these, which stay where they are.
 Step step_that_keeps(const HeldParts& parts) {
   Step step;
   step.release = step.no_relax = true;
@@ -60,6 +48,47 @@ Step step_that_keeps(const HeldParts& parts) {
     step.keys["anchors"].push_back(anchor.keys);
   }
   return step;
+}
+
+}  // namespace
+
+/// Drags of one stroke are one handle.
+HeldParts LiveSession::held() const {
+  HeldParts parts;
+  parts.has_others = m_is_state_anchored;
+  int last_stroke = -1;
+  for (const DoneStep& step : m_history.done) {
+    const bool is_same_drag = step.kind == EventKind::drag && step.stroke == last_stroke;
+    last_stroke = step.stroke;
+    if (!is_same_drag) add_parts(step.step, parts);
+  }
+  return parts;
+}
+
+/// A session lets go of everything; what stays is held and fixed again in the same step.
+void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* progress) {
+  const bool is_handle = event.handle > 0;
+  const char* const field = is_handle ? "handle" : "anchor";
+  const int number = is_handle ? event.handle : event.anchor;
+  HeldParts parts = held();
+  const std::size_t count = is_handle ? parts.handles.size() : parts.anchors.size();
+  if (std::size_t(number) > count) {
+    throw InputError({event.place, field, std::to_string(number),
+                      "one of " + std::to_string(count) + " that there are, from 1"});
+  }
+  if (parts.has_others) {
+    throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
+                      "all, which lets go of everything"});
+  }
+  if (settles) settle_drags(progress);
+  if (is_handle) {
+    parts.handles.erase(parts.handles.begin() + number - 1);
+  } else {
+    parts.anchors.erase(parts.anchors.begin() + number - 1);
+  }
+  Step step = step_that_keeps(parts);
+  step.place = event.place;
+  run(event.kind, step, progress);
 }
 
 }  // namespace supple::tools

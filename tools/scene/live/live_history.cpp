@@ -1,7 +1,7 @@
 // The part of a live session that takes steps and looks back, makes them again, and takes out one
 // of the cuts.
 #include "lib/session/step_model.h"
-#include "tools/scene/live/live_record.h"
+#include "tools/scene/live/live_view.h"
 
 namespace supple::tools {
 

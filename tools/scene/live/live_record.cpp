@@ -1,6 +1,6 @@
-#include "tools/scene/live/live_record.h"
-
 #include <filesystem>
+
+#include "tools/scene/live/live_view.h"
 
 namespace supple::tools {
 

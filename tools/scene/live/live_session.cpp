@@ -4,8 +4,7 @@
 #include <filesystem>
 
 #include "lib/session/step_model.h"
-#include "tools/scene/live/held_parts.h"
-#include "tools/scene/live/live_record.h"
+#include "tools/scene/live/live_view.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
 
@@ -222,36 +221,6 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
   relaxation.step.keys = relax_keys(*relaxation.step.relax);
   m_relaxation = relaxation;
   m_pending = relaxation.step.relax->passes;
-}
-
-HeldParts LiveSession::held() const {
-  return held_parts(m_history.done, m_is_state_anchored);
-}
-
-/// A session lets go of everything; what stays is held and fixed again in the same step.
-void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* progress) {
-  const bool is_handle = event.handle > 0;
-  const char* const field = is_handle ? "handle" : "anchor";
-  const int number = is_handle ? event.handle : event.anchor;
-  HeldParts parts = held();
-  const std::size_t count = is_handle ? parts.handles.size() : parts.anchors.size();
-  if (std::size_t(number) > count) {
-    throw InputError({event.place, field, std::to_string(number),
-                      "one of " + std::to_string(count) + " that there are, from 1"});
-  }
-  if (parts.has_others) {
-    throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
-                      "all, which lets go of everything"});
-  }
-  if (settles) settle_drags(progress);
-  if (is_handle) {
-    parts.handles.erase(parts.handles.begin() + number - 1);
-  } else {
-    parts.anchors.erase(parts.anchors.begin() + number - 1);
-  }
-  Step step = step_that_keeps(parts);
-  step.place = event.place;
-  run(event.kind, step, progress);
 }
 
 void LiveSession::run(EventKind kind, const Step& step, Progress* progress) {

@@ -20,7 +20,6 @@ struct StepModel;  // lib/session/step_model.h
 
 namespace supple::tools {
 
-struct HeldParts;  // held_parts.h
 class LiveJournal;
 class LiveView;
 struct Scene;
@@ -72,6 +71,13 @@ struct LiveHand {
   std::optional<LiveEvent> grab;
   Vec3d reached{0, 0, 0};
   std::optional<Led> led;
+};
+
+/// Parts that are held and fixed since everything was let go of last.
+struct HeldParts {
+  std::vector<Drag> handles;  // which stay where they are
+  std::vector<PlacedSelection> anchors;
+  bool has_others = false;  // fixed labels or points: nothing is let go of one by one
 };
 
 class LiveSession {

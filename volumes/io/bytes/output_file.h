@@ -24,8 +24,6 @@ class OutputFile {
   /// Brings the closed file to disk, then to its final name.
   void commit() { m_file.commit(); }
 
-  /// The temporary path, for libraries that write by themselves, instead of write().
-  const std::string& temporary_path() const { return m_file.path(); }
   const std::string& final_path() const { return m_file.final_path(); }
 
  private:
