@@ -60,6 +60,7 @@ void LargestMotion::take(const LargestMotion& other) {
     strained = other.strained;
   }
   beyond += other.beyond;
+  smallest_det_f = std::min(smallest_det_f, other.smallest_det_f);
 }
 
 }  // namespace supple

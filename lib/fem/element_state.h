@@ -22,6 +22,7 @@ std::array<double, 3> eigenvalues(const SymmetricTensor& tensor);
 struct ElementState {
   SymmetricTensor strain, stress_kpa;
   double volume_strain;       // of the element
+  double det_f;               // at the centre
   Vec3d rotation_rad;         // half the curl of u, at the centre
   double energy_density_kpa;  // mean of the element, per volume at rest; kPa are mJ/cm^3
 };

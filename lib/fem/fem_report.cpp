@@ -71,6 +71,7 @@ void note(const LargestMotion& largest, FemReport& report) {
   report.turned = largest.turned;
   report.strained = largest.strained;
   report.beyond_elements = largest.beyond;
+  report.smallest_det_f = largest.smallest_det_f;
 }
 
 void balance(const NodalLoads& loads, const std::vector<double>& u, const std::vector<double>& r,

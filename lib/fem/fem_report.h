@@ -77,6 +77,7 @@ struct LargestMotion {
   double rotation_deg = 0, strain = 0;
   Vec3i turned{0, 0, 0}, strained{0, 0, 0};  // voxels of the mesh
   std::int64_t beyond = 0;
+  double smallest_det_f = 1;  // at the elements' centres
 
   /// Takes the larger one of two sets of elements, or of two times; of equal ones the first.
   void take(const LargestMotion& other);
@@ -165,6 +166,8 @@ struct FemReport {
   Vec3i turned{0, 0, 0}, strained{0, 0, 0};  // where, in voxels of the mesh
   std::int64_t beyond_elements = 0;          // that turn or strain by more than the bounds
   bool beyond_linear = false;                // never at finite strain
+  double smallest_det_f = 1;                 // at the elements' centres, in linear theory, too
+  double volume_change_ml = 0;               // of all elements together
   std::optional<NewtonReport> newton;        // at finite strain
   std::size_t bytes = 0;                     // at the most, of the solver and its mesh
   double setup_ms = 0, solve_ms = 0;

@@ -14,6 +14,7 @@ struct FemSolution {
   /// Displacement in mm, LPS, three per node of the mesh.
   std::vector<double> u_mm;
   std::vector<FemReaction> reactions;  // as FemLoads::held
+  std::vector<double> swelling_kpa;    // per element; empty where none swells
   FemReport report;
 };
 

@@ -46,6 +46,7 @@ Newton::Newton(const ElasticSolid& solid, const NonlinearSystem& system, NodalLo
       m_limits(limits),
       m_path(solid, loads),
       m_whole_mn(loads.force_mn),
+      m_swells(!loads.swelling_kpa.empty()),
       m_u(loads.u_mm.size(), 0.0),
       m_r(loads.u_mm.size(), 0.0),
       m_meter(loads) {
@@ -57,7 +58,7 @@ Newton::Newton(const ElasticSolid& solid, const NonlinearSystem& system, NodalLo
 /// The energy and r = f(part) - K(u); false where an element is inside out.
 bool Newton::evaluate() {
   fill(m_r.data(), m_r.size(), 0.0);
-  m_energy = m_system->add_forces(m_u.data(), m_r.data());
+  m_energy = m_system->add_forces(m_u.data(), m_r.data(), m_part);
   for_ranges(m_r.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       m_r[n] = (m_whole_mn.empty() ? 0 : m_part * m_whole_mn[n]) - m_r[n];
@@ -68,7 +69,7 @@ bool Newton::evaluate() {
 
 /// d from m_system_loads; not `found` where no direction came of it.
 std::vector<double> Newton::solve_tangent(const CgLimits& limits, Progress* progress, bool& found) {
-  const std::unique_ptr<LinearSystem> tangent = m_system->tangent_at(m_u);
+  const std::unique_ptr<LinearSystem> tangent = m_system->tangent_at(m_u, m_part);
   ConjugateGradients solver(*tangent, m_system_loads, limits);
   found = solver.run(progress) || solver.iterations() > 0;
   m_report.cg_iterations += solver.iterations();
@@ -79,11 +80,23 @@ std::vector<double> Newton::solve_tangent(const CgLimits& limits, Progress* prog
   return solver.take_u();
 }
 
+/// Writes f(part) - K(u) of where the body is to m_system_loads.
+void Newton::find_load_from_here(double part) {
+  if (m_swells) {
+    m_part = part;
+    evaluate();
+  }
+  m_system_loads.force_mn = m_r;
+  if (!m_swells && !m_whole_mn.empty()) {
+    add_to(m_system_loads.force_mn, part - m_part, m_whole_mn);
+  }
+}
+
 /// Goes from equilibrium at m_part towards that at `part`, which becomes less where the whole way
 /// would turn or shrink an element too much.
 bool Newton::predict(double& part, Progress* progress) {
-  m_system_loads.force_mn = m_r;
-  if (!m_whole_mn.empty()) add_to(m_system_loads.force_mn, part - m_part, m_whole_mn);
+  const double from = m_part, way = part - m_part, smallest = m_energy.smallest_j;
+  find_load_from_here(part);
   m_system_loads.u_mm = m_u;
   m_path.prescribe(part, m_system_loads.u_mm);
   add_to(m_system_loads.u_mm, -1, m_u);
@@ -92,7 +105,6 @@ bool Newton::predict(double& part, Progress* progress) {
       solve_tangent({kPredictorTolerance, std::numeric_limits<double>::infinity(),
                      m_limits.max_cg_iterations, 0, true},
                     progress, found);
-  const double from = m_part, way = part - m_part, smallest = m_energy.smallest_j;
   const double turn_deg = m_system->largest_turn_deg(d);
   double taken = 0;
   for (int halvings = 0; halvings <= kMostHalvings; ++halvings) {

@@ -4,6 +4,8 @@
 //   step:     T(u) d = f(t) - K(u), d as prescribed at what is held; u + d starts the corrections
 //   correct:  T(u) d = f(t) - K(u), d = 0 at what is held; u + s d by a line search for the energy
 //
+// Swellings, whose forces turn and grow with their elements, are part of K and grow with t, too.
+//
 // Each system is solved by conjugate gradients as far as the residual is small (inexact Newton,
 // Dembo, Eisenstat and Steihaug 1982), with the preconditioner that the
 // elements give. A step that turns an element's inside out, or whose
@@ -32,11 +34,12 @@ struct StrainEnergy {
 class NonlinearSystem {
  public:
   virtual ~NonlinearSystem() = default;
-  /// force += K(u) in mN, u in mm, three values per node. `force` means nothing where smallest_j is
-  /// not above 0.
-  virtual StrainEnergy add_forces(const double* u, double* force) const = 0;
+  /// force += K(u) in mN, u in mm, three values per node, elements that swell by `part` of their
+  /// pressure. `force` means nothing where smallest_j is not above 0.
+  virtual StrainEnergy add_forces(const double* u, double* force, double part) const = 0;
   /// The tangent at u, which must outlive it, with a preconditioner.
-  virtual std::unique_ptr<LinearSystem> tangent_at(const std::vector<double>& u_mm) const = 0;
+  virtual std::unique_ptr<LinearSystem> tangent_at(const std::vector<double>& u_mm,
+                                                   double part) const = 0;
   /// The largest turn of an element by displacements that are small.
   virtual double largest_turn_deg(const std::vector<double>& u_mm) const = 0;
 };
@@ -66,6 +69,7 @@ class Newton {
 
  private:
   bool evaluate();
+  void find_load_from_here(double part);
   bool predict(double& part, Progress* progress);
   bool correct(bool is_last, Progress* progress);
   void tell(double tolerance, Progress* progress);
@@ -79,6 +83,7 @@ class Newton {
   ResidualSize m_size;
   StrainEnergy m_energy;
   std::vector<double> m_whole_mn;  // the loads' forces, or empty
+  bool m_swells;                   // elements do, whose forces are part of K(u)
   double m_part = 0;               // of the loads that acts now
   double m_told_part = 0;
   std::vector<double> m_u, m_r;

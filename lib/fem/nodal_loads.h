@@ -23,7 +23,7 @@ struct NodalLoads {
   HeldBits held;
   std::vector<double> u_mm;                      // prescribed values, 0 where a component is free
   std::vector<double> force_mn;                  // empty where no force acts
-  std::vector<double> swelling_kpa;              // per element; linear theory has forces for it
+  std::vector<double> swelling_kpa;              // per element; in linear theory beside its forces
   std::vector<std::vector<NodeIndex>> nodes_of;  // per HeldElements: the nodes that it holds
   /// Shares of the forces on these; empty: the whole of all.
   std::vector<std::vector<double>> shares_of;

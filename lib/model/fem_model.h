@@ -60,6 +60,8 @@ class VoxelFemModel final : public Model<Handle> {
   std::vector<std::vector<std::int32_t>> parts() const;
   /// The displacements of the nodes of its mesh.
   const std::vector<double>& displacement_mm() const { return m_solution.u_mm; }
+  /// The pressure within each of its elements that the last move had; empty where none swells.
+  const std::vector<double>& swelling_kpa() const { return m_solution.swelling_kpa; }
 
  private:
   void hold_corners();

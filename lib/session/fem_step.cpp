@@ -174,7 +174,7 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSoli
   record.anchors = model.anchor_reaction();
   const bool is_looked_at = !task.labels.empty() || !step.wanted.empty();
   const SolvedElements solved{model.solid(), model.displacement_mm(), step.params.strain,
-                              is_looked_at ? model.parts() : ElementParts()};
+                              model.swelling_kpa(), is_looked_at ? model.parts() : ElementParts()};
   record.gauges = gauges_of(solved, task.held.body.elements, task.labels);
   record.values = values_of(solved, task.held.body.elements, step.wanted);
   if (step.keeps_nodes && step.halvings == 0) record.nodes.u_mm = model.displacement_mm();
@@ -222,13 +222,15 @@ void move_in_time(const FemStep& step, const FemTask& task, const FemSolid& soli
   report.bytes = model.bytes();
   report.largest_rotation_deg = record.motion->largest.rotation_deg;
   report.largest_strain = record.motion->largest.strain;
+  report.smallest_det_f = record.motion->largest.smallest_det_f;
   report.turned = record.motion->largest.turned;
   report.strained = record.motion->largest.strained;
   report.beyond_linear = report.largest_rotation_deg > step.params.max_rotation_deg ||
                          report.largest_strain > step.params.max_strain;
   record.reactions = model.reactions(task.gripped);
   record.anchors = model.anchor_reaction();
-  const SolvedElements solved{model.solid(), u, StrainTheory::linear, {}};
+  const SolvedElements solved{
+      model.solid(), u, StrainTheory::linear, model.motion().loads().swelling_kpa, {}};
   record.gauges = gauges_of(solved, task.held.body.elements, task.labels);
   record.values = values_of(solved, task.held.body.elements, step.wanted);
   if (step.keeps_nodes) {

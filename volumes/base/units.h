@@ -7,7 +7,7 @@ namespace supple {
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kRadiansPerDegree = kPi / 180, kDegreesPerRadian = 180 / kPi;
 
-constexpr double kMmPerM = 1e3, kMPerMm = 1e-3, kM3PerMm3 = 1e-9;
+constexpr double kMmPerM = 1e3, kMPerMm = 1e-3, kM3PerMm3 = 1e-9, kMlPerMm3 = 1e-3;
 constexpr double kSPerMs = 1e-3, kNsPerMs = 1e6;
 constexpr double kNPerMn = 1e-3, kMnPerN = 1e3;
 constexpr double kPaPerKpa = 1e3;

@@ -191,10 +191,7 @@ NodalLoads nodal_loads(const HexMesh& voxels, const VoxelMaterial& material, con
   }
   for (const PressureInElements& pressure : loads.inner_pressures) {
     require_finite(Vec3d(pressure.pressure_kpa), "pressure");
-    if (strain == StrainTheory::linear) {
-      press_inside(voxels, material, pressure, out.force_mn);
-      continue;
-    }
+    if (strain == StrainTheory::linear) press_inside(voxels, material, pressure, out.force_mn);
     out.swelling_kpa.resize(std::size_t(voxels.element_count()));
     for_each_element(voxels, pressure.elements, [&](std::int32_t, std::int32_t e) {
       out.swelling_kpa[std::size_t(e)] += pressure.pressure_kpa;

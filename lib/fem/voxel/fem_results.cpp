@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "lib/fem/small_matrix.h"
 #include "lib/fem/voxel/fem.h"
@@ -53,6 +54,9 @@ ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
   ElementState out;
   out.strain = symmetric(gradient);
   out.volume_strain = trace(out.strain);
+  Matrix9 f = gradient;
+  for (std::size_t n = 0; n < 9; n += 4) f[n] += 1;
+  out.det_f = determinant_of(f, cofactors(f));
   out.rotation_rad = axial(gradient);
   const std::uint8_t of = material.classes[element];
   const double shear = material.moduli.shear[of], bulk = material.moduli.bulk[of];
@@ -88,7 +92,7 @@ ElementState finite_state(const HexMesh& voxels, const VoxelMaterial& material,
   out.volume_strain = energy.volume_change;
   out.energy_density_kpa = energy.density_kpa;
   // sigma = mu J^(-5/3) dev(F F^T) + kappa (theta - 1) 1.
-  const double J = determinant_of(f, cofactors(f));
+  const double J = out.det_f = determinant_of(f, cofactors(f));
   const std::uint8_t of = material.classes[element];
   const double shear = material.moduli.shear[of] * std::pow(J, -5.0 / 3);
   const double dilatation =
@@ -104,17 +108,22 @@ ElementState finite_state(const HexMesh& voxels, const VoxelMaterial& material,
 
 ElementState element_state(const HexMesh& voxels, const VoxelMaterial& material,
                            const std::vector<double>& u_mm, std::int32_t element,
-                           StrainTheory theory) {
-  return theory == StrainTheory::linear ? linear_state(voxels, material, u_mm, element)
-                                        : finite_state(voxels, material, u_mm, element);
+                           StrainTheory theory, const std::vector<double>& swelling_kpa) {
+  ElementState state = theory == StrainTheory::linear
+                           ? linear_state(voxels, material, u_mm, element)
+                           : finite_state(voxels, material, u_mm, element);
+  if (swelling_kpa.empty()) return state;
+  for (int n = 0; n < 3; ++n) state.stress_kpa[n] -= swelling_kpa[std::size_t(element)];
+  return state;
 }
 
 std::vector<float> element_values(const HexMesh& voxels, const VoxelMaterial& material,
                                   const std::vector<double>& u_mm, FemQuantity quantity,
-                                  StrainTheory theory) {
+                                  StrainTheory theory, const std::vector<double>& swelling_kpa) {
   std::vector<float> values(voxels.offset.size());
   parallel_for(voxels.element_count(), Grain{256}, [&](std::int32_t e) {
-    values[e] = float(value_of(element_state(voxels, material, u_mm, e, theory), quantity));
+    const ElementState state = element_state(voxels, material, u_mm, e, theory, swelling_kpa);
+    values[e] = float(value_of(state, quantity));
   });
   return values;
 }
@@ -128,6 +137,7 @@ LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& materia
     LargestMotion own;
     own.rotation_deg = state.rotation_rad.length() * kDegreesPerRadian;
     own.strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
+    own.smallest_det_f = state.det_f;
     own.beyond = own.rotation_deg > limits.rotation_deg || own.strain > limits.strain;
     if (own.rotation_deg > sum.rotation_deg || own.strain > sum.strain) {
       own.turned = own.strained = voxels.cell_of(e);
@@ -139,6 +149,26 @@ LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& materia
     return a;
   };
   return parallel_reduce(voxels.element_count(), Grain{256}, LargestMotion{}, add, join);
+}
+
+double volume_change_mm3(const HexMesh& voxels, const VoxelMaterial& material,
+                         const std::vector<double>& u_mm, StrainTheory theory) {
+  // Sums of ranges that do not depend on the threads.
+  constexpr std::int32_t kRange = 4096;
+  const std::int32_t count = voxels.element_count();
+  std::vector<double> sums(std::size_t((count + kRange - 1) / kRange));
+  parallel_for(sums.size(), [&](std::size_t range) {
+    const std::int32_t begin = std::int32_t(range) * kRange;
+    for (std::int32_t e = begin; e < std::min(begin + kRange, count); ++e) {
+      if (theory == StrainTheory::finite) {
+        sums[range] += element_energy(voxels, material, u_mm, e).volume_change;
+      } else {
+        const Matrix9 gradient = centre_gradient(voxels, material, u_mm, e);
+        sums[range] += gradient[0] + gradient[4] + gradient[8];
+      }
+    }
+  });
+  return std::accumulate(sums.begin(), sums.end(), 0.0) * material.matrix.volume_mm3;
 }
 
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,

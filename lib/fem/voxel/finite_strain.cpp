@@ -49,7 +49,7 @@ FiniteStrain::FiniteStrain(const HexMesh& mesh, const VoxelMaterial& material,
   }
 }
 
-LaneModuli FiniteStrain::moduli_of(std::size_t group) const {
+LaneModuli FiniteStrain::moduli_of(std::size_t group, double part) const {
   LaneModuli out{};
   for (int lane = 0; lane < kGroup; ++lane) {
     const std::size_t at = kGroup * group + std::size_t(lane);
@@ -58,12 +58,12 @@ LaneModuli FiniteStrain::moduli_of(std::size_t group) const {
     const std::uint8_t of = m_material->classes[std::size_t(element)];
     out.shear[lane] = m_material->moduli.shear[of];
     out.bulk[lane] = m_material->moduli.bulk[of];
-    if (!m_swelling.empty()) out.swelling[lane] = m_swelling[at];
+    if (!m_swelling.empty()) out.swelling[lane] = part * m_swelling[at];
   }
   return out;
 }
 
-StrainEnergy FiniteStrain::add_forces(const double* u, double* force) const {
+StrainEnergy FiniteStrain::add_forces(const double* u, double* force, double part) const {
   std::vector<StrainEnergy> of_block(m_mesh->block_count());
   for_blocks_by_colour<ForceFields>(
       *m_mesh, m_groups, m_mesh->of_colour, [&](std::int32_t block, ForceFields& fields) {
@@ -76,7 +76,7 @@ StrainEnergy FiniteStrain::add_forces(const double* u, double* force) const {
           const ElementGroup& group = m_groups.groups[g];
           fields.u.read_corners(group, x);
           clear_absent(group, x);
-          finite_forces(m_geometry, moduli_of(g), x, energy, smallest);
+          finite_forces(m_geometry, moduli_of(g, part), x, energy, smallest);
           fields.force.add_corners(group, x);
           for (int lane = 0; lane < kGroup; ++lane) {
             if ((group.present >> lane & 1) == 0) continue;
@@ -88,15 +88,16 @@ StrainEnergy FiniteStrain::add_forces(const double* u, double* force) const {
         fields.force.add_to(block, 1.0, force);
       });
   StrainEnergy sum;
-  for (const StrainEnergy& part : of_block) {
-    sum.energy_uj += part.energy_uj;
-    if (!(part.smallest_j >= sum.smallest_j)) sum.smallest_j = part.smallest_j;
+  for (const StrainEnergy& of : of_block) {
+    sum.energy_uj += of.energy_uj;
+    if (!(of.smallest_j >= sum.smallest_j)) sum.smallest_j = of.smallest_j;
   }
   return sum;
 }
 
 template <class X>
-void FiniteStrain::accumulate_tangent(const double* u, const X* x, double* y, double sign) const {
+void FiniteStrain::accumulate_tangent(const double* u, const X* x, double* y, double part,
+                                      double sign) const {
   for_blocks_by_colour<TangentFields>(
       *m_mesh, m_groups, m_mesh->of_colour, [&](std::int32_t block, TangentFields& fields) {
         DoubleLanes at[24], change[24];
@@ -109,7 +110,7 @@ void FiniteStrain::accumulate_tangent(const double* u, const X* x, double* y, do
           fields.u.read_corners(group, at);
           clear_absent(group, at);
           fields.x.read_corners(group, change);
-          finite_tangent(m_geometry, moduli_of(g), at, change);
+          finite_tangent(m_geometry, moduli_of(g, part), at, change);
           fields.force.add_corners(group, change);
         }
         fields.force.add_to(block, sign, y);
@@ -117,16 +118,16 @@ void FiniteStrain::accumulate_tangent(const double* u, const X* x, double* y, do
 }
 
 template <class X>
-void FiniteStrain::add_tangent(const double* u, const X* x, double* y) const {
-  accumulate_tangent(u, x, y, 1);
+void FiniteStrain::add_tangent(const double* u, const X* x, double* y, double part) const {
+  accumulate_tangent(u, x, y, part, 1);
 }
 template <class X>
-void FiniteStrain::subtract_tangent(const double* u, const X* x, double* y) const {
-  accumulate_tangent(u, x, y, -1);
+void FiniteStrain::subtract_tangent(const double* u, const X* x, double* y, double part) const {
+  accumulate_tangent(u, x, y, part, -1);
 }
-template void FiniteStrain::add_tangent(const double*, const float*, double*) const;
-template void FiniteStrain::add_tangent(const double*, const double*, double*) const;
-template void FiniteStrain::subtract_tangent(const double*, const double*, double*) const;
+template void FiniteStrain::add_tangent(const double*, const float*, double*, double) const;
+template void FiniteStrain::add_tangent(const double*, const double*, double*, double) const;
+template void FiniteStrain::subtract_tangent(const double*, const double*, double*, double) const;
 
 ElementEnergy element_energy(const HexMesh& mesh, const VoxelMaterial& material,
                              const std::vector<double>& u_mm, std::int32_t element) {

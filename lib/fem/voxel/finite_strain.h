@@ -31,22 +31,22 @@ class FiniteStrain {
   FiniteStrain(const HexMesh& mesh, const VoxelMaterial& material,
                const std::vector<double>& swelling_kpa = {});
 
-  /// force += K(u) in mN, u in mm, three values per node. `force` means nothing where smallest_j is
-  /// not above 0.
-  StrainEnergy add_forces(const double* u, double* force) const;
+  /// force += K(u) in mN, u in mm, three values per node, with `part` of the swellings. `force`
+  /// means nothing where smallest_j is not above 0.
+  StrainEnergy add_forces(const double* u, double* force, double part = 1) const;
 
   /// y += T x or y -= T x with the tangent T at u.
   template <class X>
-  void add_tangent(const double* u, const X* x, double* y) const;
+  void add_tangent(const double* u, const X* x, double* y, double part = 1) const;
   template <class X>
-  void subtract_tangent(const double* u, const X* x, double* y) const;
+  void subtract_tangent(const double* u, const X* x, double* y, double part = 1) const;
 
   std::size_t bytes() const;
 
  private:
   template <class X>
-  void accumulate_tangent(const double* u, const X* x, double* y, double sign) const;
-  LaneModuli moduli_of(std::size_t group) const;
+  void accumulate_tangent(const double* u, const X* x, double* y, double part, double sign) const;
+  LaneModuli moduli_of(std::size_t group, double part) const;
 
   const HexMesh* m_mesh;
   const VoxelMaterial* m_material;

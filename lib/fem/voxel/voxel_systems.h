@@ -78,10 +78,11 @@ class FiniteVoxels final : public NonlinearSystem {
         m_multigrid(multigrid),
         m_held(held) {}
 
-  StrainEnergy add_forces(const double* u, double* force) const override {
-    return m_strain.add_forces(u, force);
+  StrainEnergy add_forces(const double* u, double* force, double part) const override {
+    return m_strain.add_forces(u, force, part);
   }
-  std::unique_ptr<LinearSystem> tangent_at(const std::vector<double>& u_mm) const override;
+  std::unique_ptr<LinearSystem> tangent_at(const std::vector<double>& u_mm,
+                                           double part) const override;
   double largest_turn_deg(const std::vector<double>& u_mm) const override;
 
  private:

@@ -8,7 +8,8 @@ void SolvedElements::add_to(StrainGauge& gauge, std::size_t element) const {
   const std::vector<std::int32_t> itself{std::int32_t(element)};
   const std::vector<std::int32_t>& of = parts.empty() ? itself : parts[element];
   for (const std::int32_t part : of) {
-    const ElementState state = element_state(solid.mesh(), solid.material(), u_mm, part, theory);
+    const ElementState state =
+        element_state(solid.mesh(), solid.material(), u_mm, part, theory, swelling_kpa);
     for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {
       gauge.mean[n] += value_of(state, kFemQuantities[n].first) / double(of.size());
     }
@@ -17,7 +18,7 @@ void SolvedElements::add_to(StrainGauge& gauge, std::size_t element) const {
 
 std::vector<float> SolvedElements::values_of(FemQuantity quantity) const {
   std::vector<float> values =
-      element_values(solid.mesh(), solid.material(), u_mm, quantity, theory);
+      element_values(solid.mesh(), solid.material(), u_mm, quantity, theory, swelling_kpa);
   if (parts.empty()) return values;
   std::vector<float> means;
   for (const std::vector<std::int32_t>& of : parts) {

@@ -21,6 +21,7 @@ struct SolvedElements {
   const FemModel& solid;
   const std::vector<double>& u_mm;
   StrainTheory theory;
+  const std::vector<double>& swelling_kpa;
   ElementParts parts;  // per element of the body; empty: each is its own
 
   void add_to(StrainGauge& gauge, std::size_t element) const;
