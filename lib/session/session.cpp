@@ -185,7 +185,9 @@ void Session::check(const Step& step) const {
       return;
     }
     require_points(step, body());
-    m_parts->in.check_elements(on_grid(step, geometry()));
+    const Step placed = on_grid(step, geometry());
+    m_parts->in.check_elements(placed);
+    if (!step.material) m_parts->in.check_parts(placed);
   });
 }
 

@@ -120,6 +120,17 @@ void SessionBody::check_elements(const Step& request) const {
   }
 }
 
+void SessionBody::check_parts(const Step& request) const {
+  const auto require_part = [&](const ChosenPart& part, const char* key) {
+    const bool waits = part.selection && part.selection->rigid_at && body.rigid.empty();
+    if (waits) return;
+    elements_of(part, body, state.density, state.labels, key);
+  };
+  for (const ChosenPart& part : request.remove) require_part(part, "remove");
+  if (!request.fem) return;
+  for (const FemLoad& load : request.fem->loads) require_part(load.part, name_of(load.kind));
+}
+
 void SessionBody::release_and_fix(const Step& request) {
   if (request.release) {
     state.anchors.clear();

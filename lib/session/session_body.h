@@ -61,6 +61,8 @@ struct SessionBody {
   std::vector<Region> regions_of(const Step& step) const;
   /// Throws InputError for handles and anchors that are no elements.
   void check_elements(const Step& step) const;
+  /// Throws InputError for a part that the step removes or loads, where there is no such part.
+  void check_parts(const Step& step) const;
   void release_and_fix(const Step& step);
   /// Finds the anchors of the state; a piece that one of them touches stays as a whole.
   void find_anchors();

@@ -125,6 +125,8 @@ Value to_value(const FemRecord& record) {
                 {"largest_strain", report.largest_strain},
                 {"beyond_linear", report.beyond_linear},
                 {"beyond_elements", report.beyond_elements},
+                {"smallest_det_f", report.smallest_det_f},
+                {"volume_change_ml", report.volume_change_ml},
                 {"turned_voxel", Vec3d(report.turned)},
                 {"strained_voxel", Vec3d(report.strained)},
                 {"bytes", report.bytes},
@@ -139,7 +141,7 @@ Value to_value(const FemRecord& record) {
   if (record.motion) {
     for (const char* of_equilibria :
          {"residual_rms", "largest_force_n", "force_balance", "energy_identity", "energy_mj",
-          "reaction_change", "setup_ms", "solve_ms"}) {
+          "reaction_change", "volume_change_ml", "setup_ms", "solve_ms"}) {
       json.erase(of_equilibria);
     }
     json["motion"] = to_value(*record.motion);
@@ -338,6 +340,7 @@ Value to_value(const StepRecord& record) {
                   {"cut_links", record.cut_links},
                   {"settings", settings_value(*record.springs)},
                   {"springs", to_value(record.sprung)}};
+    if (record.removed > 0) json["removed"] = record.removed;
     json["reactions"] = to_value(record.reactions);
     for (const Vec3d& force_n : record.sprung.collider_forces_n) {
       json["contact_forces_n"].push_back(force_n);
@@ -355,6 +358,7 @@ Value to_value(const StepRecord& record) {
                   {"cut_links", record.cut_links},
                   {"settings", settings_value(*record.fem)},
                   {"fem", to_value(record.equilibrium)}};
+    if (record.removed > 0) json["removed"] = record.removed;
     if (record.bones) {
       json["fraction"] = record.report.fraction();
       json["bones"] = to_value(*record.bones);
