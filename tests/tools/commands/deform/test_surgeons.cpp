@@ -218,3 +218,20 @@ TEST_F(InteropSurgeons, TheFlapIsGone) {
   ASSERT_FALSE(json.is_null());
   EXPECT_GT(json.at("steps")[0].at("removed"), 1'000);
 }
+
+TEST_F(InteropSurgeons, TheBrainComesOutOfTheCraniectomyAndTheSkullStays) {
+  const Json json = run_scene_of("head_craniectomy.toml");
+  ASSERT_FALSE(json.is_null());
+  expect_at_rest(largest_of(json.at("rigid_pieces")));
+  expect_nothing_lost(json, 0);
+  const Json& step = json.at("steps")[0];
+  EXPECT_GT(step.at("removed"), 60'000);  // 90 ml
+  EXPECT_EQ(step.at("fem").at("loose_islands"), 0);
+  const double out_ml = step.at("fem").at("volume_change_ml");
+  EXPECT_GT(out_ml, 28);
+  EXPECT_LT(out_ml, 37);
+  EXPECT_GT(step.at("fem").at("smallest_det_f"), 0.5);
+  // Brain below the middle of the opening goes to the left, out of it; at the other side it stays.
+  EXPECT_NEAR(way_of("190,122,70").x, 8, 1);
+  EXPECT_LT(way_of("75,122,70").length(), 0.5);
+}
