@@ -1,0 +1,124 @@
+// Finite elements on meshes of tetrahedra: isotropic linear elasticity of a body, with thin sheets
+// on its faces (docs/models/tets.md; thesis, chapter 6.2 and appendix B).
+//
+//   find u with  K u = f,  u prescribed where something is held
+//
+// Elements of volume are in tet_volumes.h, those of sheets in shell_triangles.h. Forces are in mN
+// inside (kPa mm^2) and in N in reports. Equations are solved by conjugate gradients with
+// incomplete Cholesky factors, or by exact factors for many loads. Results do not depend on the
+// number of threads.
+//
+//   TetModel brain(mesh, TetElement::nodal_pressure, {{"skull", SheetKind::both, 2500, 0.48,
+//   0.6}}); TetLoads loads; loads.held.push_back({brain.nodes_of_faces("held")});
+//   loads.swelling_kpa.assign(mesh.tets.size(), 20 * 0.1333224);
+//   TetSolution swollen = brain.solve(loads);
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "lib/fem/elastic_solid.h"
+#include "lib/fem/fem_solution.h"
+#include "lib/fem/tet/shell_triangles.h"
+#include "lib/fem/tet/tet_loads.h"
+#include "lib/fem/tet/tet_volumes.h"
+
+namespace supple {
+
+enum class TetEquations { gradients, factor };
+
+struct TetParams {
+  TetEquations equations = TetEquations::gradients;
+  double tolerance = 1e-8;           // as FemParams
+  double reaction_tolerance = 1e-6;  // as FemParams; of conjugate gradients
+  int max_iterations = 5000;
+  LooseIslands loose = LooseIslands::refuse;
+  MotionLimits limits;  // of linear theory; larger motions are flagged
+
+  /// Throws InputError.
+  void validate() const;
+};
+
+struct TetSolution {
+  /// Displacements in mm, LPS, three per node of the model; then the turns of edges in rad.
+  std::vector<double> u_mm;
+  std::vector<FemReaction> reactions;  // as TetLoads::held
+  FemReport report;
+  double least_det_f = 1;  // below 0: linear theory has turned an element inside out
+};
+
+/// A mesh with its materials and sheets, ready for any number of solves; keeps a copy of what it
+/// needs of the mesh.
+class TetModel final : public ElasticSolid {
+ public:
+  /// Throws InputError: a mesh or a value that cannot be used. Without tetrahedra, a mesh may have
+  /// sheets alone.
+  TetModel(const SolidMesh& mesh, TetElement element, std::vector<ElasticSheet> sheets = {});
+  ~TetModel() override;
+
+  const TetVolumes& volumes() const { return m_volumes; }
+  const ShellTriangles& shells() const { return m_shells; }
+  const std::vector<TetModuli>& moduli() const { return m_moduli; }
+  const BlockCsr& stiffness() const { return m_stiffness; }
+
+  /// Number of nodes with positions: those of the mesh, and middles of edges. Turns follow.
+  std::size_t place_count() const { return m_volumes.positions().size(); }
+  /// Nodes of a set of faces, ascending, with middles of edges. Throws InputError: no such set.
+  std::vector<NodeIndex> nodes_of_faces(const std::string& name) const;
+  double area_of_faces(const std::string& name) const;
+
+  /// Loads at nodes. Throws InputError.
+  NodalLoads nodal_loads(const TetLoads& loads) const;
+  /// Throws InputError, NotConverged, Cancelled.
+  TetSolution solve(const TetLoads& loads, const TetParams& params = {},
+                    Progress* progress = nullptr) const;
+
+  std::vector<ElementState> states(const TetSolution& solution, const TetLoads& loads) const;
+
+  std::int64_t element_count() const override { return std::int64_t(m_volumes.element_count()); }
+  std::int64_t node_count() const override { return std::int64_t(m_stiffness.node_count()); }
+  /// Where turns have no place, the middle of the first edge.
+  std::vector<Vec3d> node_positions() const override { return m_positions; }
+  std::vector<Vec3d> node_positions(const std::vector<NodeIndex>& nodes) const override;
+  NodePieces node_pieces() const override;
+  LooseCount hold_loose(bool holds, HeldBits& held) const override;
+  const Operator& matrix() const override { return m_stiffness; }
+  /// Classes of the weights are the materials of the mesh, and after them the sheets.
+  std::unique_ptr<Operator> weighted(const ElementWeights& weights) const override;
+  std::unique_ptr<LinearSystem> system(const ElementWeights* weights, const HeldBits& held,
+                                       Progress* progress) const override;
+  std::size_t bytes() const override;
+
+ private:
+  const FaceSet& faces_named(const std::string& name) const;
+  void add_pressure(const FacePressure& pressure, std::vector<double>& force_mn) const;
+  BlockCsr weighted_matrix(const ElementWeights& weights) const;
+
+  std::vector<FaceSet> m_faces;
+  TetVolumes m_volumes;
+  std::vector<TetModuli> m_moduli;  // per material
+  std::vector<ElasticSheet> m_sheets;
+  ShellTriangles m_shells;
+  std::vector<Vec3d> m_positions;
+  BlockCsr m_stiffness;
+};
+
+/// The equations of one model with the same components held, made ready once for many loads.
+class TetSolver {
+ public:
+  /// `model` must outlive this. Throws as TetModel::solve().
+  TetSolver(const TetModel& model, const TetLoads& held, const TetParams& params,
+            Progress* progress = nullptr);
+  ~TetSolver();
+
+  /// Throws InputError where other components are held, NotConverged, Cancelled.
+  TetSolution solve(const TetLoads& loads, Progress* progress = nullptr) const;
+  std::size_t bytes() const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> m_parts;
+};
+
+}  // namespace supple
