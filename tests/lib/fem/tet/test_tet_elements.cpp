@@ -241,11 +241,12 @@ TEST(PropertyTetElements, ConjugateGradientsAndFactorsAgreeOnAnyNumberOfThreads)
         params.tolerance = 1e-10;
         params.reaction_tolerance = 1e-8;
         solutions.push_back(model.solve(loads, params));
-        if (threads == 1) solutions.push_back(model.solve(loads, exact_params()));
+        solutions.push_back(model.solve(loads, exact_params()));
       });
     }
-    EXPECT_EQ(solutions[0].u_mm, solutions[2].u_mm);
-    EXPECT_EQ(solutions[0].u_mm, solutions[3].u_mm);
+    for (std::size_t n = 2; n < solutions.size(); ++n) {
+      EXPECT_EQ(solutions[n].u_mm, solutions[n % 2].u_mm);
+    }
     double most = 0, off = 0;
     for (std::size_t n = 0; n < solutions[0].u_mm.size(); ++n) {
       most = std::max(most, std::abs(solutions[0].u_mm[n]));
