@@ -32,6 +32,7 @@ Command add_deform(CLI::App& program);
 Command add_export(CLI::App& program);
 Command add_invert(CLI::App& program);
 Command add_keys(CLI::App& program);
+Command add_mesh(CLI::App& program);
 Command add_metrics(CLI::App& program);
 Command add_modes(CLI::App& program);
 Command add_resample(CLI::App& program);

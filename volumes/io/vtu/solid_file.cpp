@@ -1,12 +1,12 @@
 #include "volumes/io/vtu/solid_file.h"
 
 #include <charconv>
-#include <cstring>
 #include <filesystem>
 
 #include "volumes/base/text.h"
 #include "volumes/io/bytes/output_file.h"
 #include "volumes/io/bytes/text_header.h"
+#include "volumes/io/vtu/vtu_writer.h"
 
 namespace supple {
 
@@ -14,68 +14,38 @@ namespace {
 
 constexpr int kHexahedron = 12;  // VTK's number
 
-/// A length in bytes and the bytes, as one run of base64.
-std::string counted_base64(const void* data, std::size_t size) {
-  const std::uint64_t length = size;
-  std::string bytes(sizeof length + size, '\0');
-  std::memcpy(&bytes[0], &length, sizeof length);
-  if (size > 0) std::memcpy(&bytes[sizeof length], data, size);
-  return base64_of(bytes);
-}
-
 std::vector<std::int32_t> whole_numbers(const SolidArray& array) {
   return {array.values.begin(), array.values.end()};
 }
 
-class VtuWriter {
- public:
-  explicit VtuWriter(const std::string& path) : m_file(path) {}
-
-  void write(const HexSolid& solid, Progress* progress) {
-    m_file.write(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-        "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece "
-        "NumberOfPoints=\"" +
-        std::to_string(solid.points_lps_mm.size()) + "\" NumberOfCells=\"" +
-        std::to_string(solid.hexahedra.size()) + "\">\n<Points>\n");
-    write_array("Float64", "Points", 3, solid.points_lps_mm);
-    m_file.write("</Points>\n<Cells>\n");
-    write_array("Int32", "connectivity", 1, solid.hexahedra);
-    std::vector<std::int64_t> ends(solid.hexahedra.size());
-    for (std::size_t n = 0; n < ends.size(); ++n) ends[n] = std::int64_t(8 * (n + 1));
-    write_array("Int64", "offsets", 1, ends);
-    write_array("UInt8", "types", 1,
-                std::vector<std::uint8_t>(solid.hexahedra.size(), kHexahedron));
-    m_file.write("</Cells>\n<PointData>\n");
-    write_arrays(solid.of_points, progress);
-    m_file.write("</PointData>\n<CellData>\n");
-    write_arrays(solid.of_cells, progress);
-    m_file.write("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-    m_file.close();
-    m_file.commit();
-  }
-
- private:
-  template <class T>
-  void write_array(const std::string& type, const std::string& name, int components,
-                   const std::vector<T>& values) {
-    m_file.write("<DataArray type=\"" + type + "\" Name=\"" + name + "\" NumberOfComponents=\"" +
-                 std::to_string(components) + "\" format=\"binary\">\n" +
-                 counted_base64(values.data(), values.size() * sizeof(T)) + "\n</DataArray>\n");
-  }
-  void write_arrays(const std::vector<SolidArray>& arrays, Progress* progress) {
-    for (const SolidArray& array : arrays) {
-      if (array.are_whole) {
-        write_array("Int32", array.name, array.components, whole_numbers(array));
-      } else {
-        write_array("Float32", array.name, array.components, array.values);
-      }
-      report(progress, 1);
+void write_arrays(const std::string& section, const std::vector<SolidArray>& arrays,
+                  VtuWriter& writer, Progress* progress) {
+  writer.begin(section);
+  for (const SolidArray& array : arrays) {
+    if (array.are_whole) {
+      writer.write(array.name, array.components, whole_numbers(array));
+    } else {
+      writer.write(array.name, array.components, array.values);
     }
+    report(progress, 1);
   }
+  writer.end(section);
+}
 
-  OutputFile m_file;
-};
+void write_vtu(const std::string& path, const HexSolid& solid, Progress* progress) {
+  const std::size_t cells = solid.hexahedra.size();
+  std::vector<std::int32_t> corners;
+  corners.reserve(8 * cells);
+  for (const auto& cell : solid.hexahedra) corners.insert(corners.end(), cell.begin(), cell.end());
+  std::vector<std::int64_t> ends(cells);
+  for (std::size_t n = 0; n < cells; ++n) ends[n] = std::int64_t(8 * (n + 1));
+  VtuWriter writer(path);
+  writer.write_grid(solid.points_lps_mm, corners, ends,
+                    std::vector<std::uint8_t>(cells, kHexahedron));
+  write_arrays("PointData", solid.of_points, writer, progress);
+  write_arrays("CellData", solid.of_cells, writer, progress);
+  writer.commit();
+}
 
 /// Text by pieces of about a megabyte.
 class LegacyWriter {
@@ -163,7 +133,7 @@ bool is_solid_name(const std::string& path) {
 void write_solid(const std::string& path, const HexSolid& solid, Progress* progress) {
   if (progress != nullptr) progress->stage("writing");
   if (lower_case(std::filesystem::path(path).extension().string()) == ".vtu") {
-    VtuWriter(path).write(solid, progress);
+    write_vtu(path, solid, progress);
   } else {
     LegacyWriter(path).write(solid, progress);
   }

@@ -1,0 +1,231 @@
+// Isosurface stuffing of random masks: angles, volumes, conformity, and independence of threads.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "lib/mesh/tets/make_solid.h"
+#include "lib/mesh/tets/solid_faces.h"
+#include "lib/mesh/tets/solid_quality.h"
+#include "tests/support/errors.h"
+#include "volumes/base/parallel.h"
+#include "volumes/grid/voxel_sets.h"
+
+namespace supple::test {
+namespace {
+
+/// A full affine whose index axes are perpendicular, right- or left-handed.
+Geometry random_geometry(std::mt19937& random, const Vec3i& dims) {
+  std::uniform_real_distribution<double> size(0.7, 1.6), angle(0, 360);
+  const Turn turn = turn_about({size(random), size(random), size(random)}, angle(random));
+  std::array<Vec3d, 3> axes = {turn({size(random), 0, 0}), turn({0, size(random), 0}),
+                               turn({0, 0, size(random)})};
+  if (random() % 2 == 0) axes[2] = -axes[2];
+  return {dims, Vec3d(size(random), -40 * size(random), 7), axes};
+}
+
+/// Voxels that hang together by faces, edges or corners: a walk; or sheets of one voxel, islands,
+/// noise, all of them up to the border.
+BrickTopology random_voxels(std::mt19937& random, const Vec3i& dims) {
+  std::vector<Vec3i> voxels;
+  const auto any = [&](int below) { return int(random() % unsigned(below)); };
+  const auto inside = [&](Vec3i v) {
+    for (int a = 0; a < 3; ++a) v[a] = std::clamp(v[a], 0, dims[a] - 1);
+    return v;
+  };
+  switch (any(4)) {
+    case 0: {
+      Vec3i at(any(dims.x), any(dims.y), any(dims.z));
+      for (int n = 30 + any(400); n > 0; --n) {
+        voxels.push_back(at);
+        at = inside(at + Vec3i(any(3) - 1, any(3) - 1, any(3) - 1));
+      }
+      break;
+    }
+    case 1: {
+      const Vec3i normal(any(5) - 2, any(5) - 2, 1 + any(2));
+      for (int i = 0; i < dims.x; ++i) {
+        for (int j = 0; j < dims.y; ++j) {
+          voxels.push_back(inside({i, j, (normal.x * i + normal.y * j) / normal.z + dims.z / 2}));
+        }
+      }
+      break;
+    }
+    case 2:
+      for (int n = 1 + any(40); n > 0; --n) {
+        voxels.push_back({any(dims.x), any(dims.y), any(dims.z)});
+      }
+      break;
+    default:
+      for (int n = 0; n < dims.x * dims.y * dims.z; ++n) {
+        if (any(3) > 0) continue;
+        voxels.push_back({n % dims.x, n / dims.x % dims.y, n / dims.x / dims.y});
+      }
+  }
+  return topology_of(voxels);
+}
+
+std::string describe(const SolidMesh& mesh, const SolidQuality& quality) {
+  return std::to_string(mesh.tets.size()) + " tetrahedra, angles " +
+         std::to_string(quality.least_dihedral_deg) + " to " +
+         std::to_string(quality.largest_dihedral_deg);
+}
+
+}  // namespace
+
+TEST(PropertyStuffing, AThousandRandomMasksAreMeshedWithinTheProvenAngles) {
+  std::mt19937 random(1);
+  double least = 180, largest = 0;
+  int without = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const Vec3i dims(2 + int(random() % 14), 2 + int(random() % 14), 2 + int(random() % 14));
+    const Geometry geometry = random_geometry(random, dims);
+    const VoxelMask mask = mask_of(geometry, random_voxels(random, dims));
+    SolidParams params;
+    const Vec3d size = geometry.spacing_mm();
+    const double voxel = std::min({size.x, size.y, size.z});
+    params.spacing_mm = voxel * std::uniform_real_distribution<double>(0.5, 1.3)(random);
+    params.smooth_voxels = random() % 3 == 0 ? 0 : 1;
+    const BccLattice lattice(geometry, mask.box, *params.spacing_mm);
+    const SolidMesh mesh = stuff_surface(MaskDistance(mask, params.smooth_voxels), lattice);
+    if (mesh.tets.empty()) {  // all of it fell between the vertices
+      ++without;
+      continue;
+    }
+    const SolidQuality quality = quality_of(mesh);
+    ASSERT_EQ(quality.turned_inside_out, 0) << n;
+    ASSERT_GE(quality.least_dihedral_deg, kLeastDihedralDeg) << n << describe(mesh, quality);
+    ASSERT_LE(quality.largest_dihedral_deg, kLargestDihedralDeg) << n << describe(mesh, quality);
+    const std::vector<FaceSet> faces = faces_of_regions(mesh);
+    ASSERT_EQ(faces.size(), 1u);
+    ASSERT_EQ(topology_of(faces[0].triangles).open_edges, 0) << n;
+    least = std::min(least, quality.least_dihedral_deg);
+    largest = std::max(largest, quality.largest_dihedral_deg);
+  }
+  EXPECT_LT(without, 100);
+  EXPECT_LT(least, 15);
+  EXPECT_GT(largest, 155);
+}
+
+namespace {
+
+VoxelMask ball(double radius, const Vec3d& spacing_mm) {
+  std::vector<Vec3i> voxels;
+  const int reach = 40;
+  for (int i = -reach; i <= reach; ++i) {
+    for (int j = -reach; j <= reach; ++j) {
+      for (int k = -reach; k <= reach; ++k) {
+        if ((Vec3d(i, j, k) * spacing_mm).length() <= radius) {
+          voxels.push_back(Vec3i(reach) + Vec3i(i, j, k));
+        }
+      }
+    }
+  }
+  const Geometry geometry(Vec3i(2 * reach + 1), Vec3d(0) - spacing_mm * double(reach),
+                          {Vec3d(spacing_mm.x, 0, 0), {0, spacing_mm.y, 0}, {0, 0, spacing_mm.z}});
+  return mask_of(geometry, topology_of(voxels));
+}
+
+double volume_of(const SolidMesh& mesh) {
+  double sum = 0;
+  for (const double volume : volumes_mm3(mesh)) sum += volume;
+  return sum;
+}
+
+}  // namespace
+
+TEST(PropertyStuffing, TheMeshIsTheSameWithAnyNumberOfThreads) {
+  const VoxelMask mask = ball(14, {1, 1, 2});
+  SolidParams params;
+  params.spacing_mm = 1.7;
+  const SolidMesh one = on_threads(1, [&] { return make_tets(mask, params); });
+  const SolidMesh three = on_threads(3, [&] { return make_tets(mask, params); });
+  EXPECT_GT(one.tets.size(), 10'000u);
+  EXPECT_EQ(one.tets, three.tets);
+  EXPECT_EQ(one.nodes_lps_mm, three.nodes_lps_mm);
+  ASSERT_EQ(one.faces.size(), 1u);
+  EXPECT_EQ(one.faces[0].triangles, three.faces[0].triangles);
+}
+
+TEST(PropertyStuffing, AMeshHasTheVolumeOfItsVoxelsAndABallsNodesLieOnItsSurface) {
+  for (const Vec3d& spacing : {Vec3d(1), Vec3d(0.8, 0.8, 2)}) {
+    const VoxelMask mask = ball(16, spacing);
+    SolidParams params;
+    params.spacing_mm = 4;
+    SolidReport report;
+    const SolidMesh mesh = make_tets(mask, params, 7, "ball", &report);
+    EXPECT_NEAR(volume_of(mesh), mask.volume_mm3(), 1e-3 * mask.volume_mm3());
+    EXPECT_EQ(mesh.region_of, std::vector<std::int32_t>(mesh.tets.size(), 7));
+    ASSERT_EQ(mesh.faces.size(), 1u);
+    EXPECT_EQ(mesh.faces[0].name, "ball");
+    EXPECT_EQ(count_pieces(mesh), 1);
+    for (const auto& triangle : mesh.faces[0].triangles) {
+      for (const std::int32_t node : triangle) {
+        EXPECT_NEAR(mesh.nodes_lps_mm[std::size_t(node)].length(), 16 + report.outwards_mm,
+                    0.5 * spacing.z);
+      }
+    }
+    params.keeps_volume = false;
+    EXPECT_LT(volume_of(make_tets(mask, params)), 0.985 * mask.volume_mm3());
+  }
+}
+
+TEST(PropertyStuffing, SmoothingTakesStepsAwayAndDoesNotDrawABallIn) {
+  const VoxelMask mask = ball(12, Vec3d(1));
+  double roughness[2];
+  for (const int smooth : {0, 1}) {
+    const MaskDistance distance(mask, smooth);
+    const SolidMesh mesh = stuff_surface(distance, BccLattice(mask.geometry, mask.box, 1));
+    double sum = 0, squares = 0;
+    std::int64_t count = 0;
+    for (const FaceSet& faces : faces_of_regions(mesh)) {
+      for (const auto& triangle : faces.triangles) {
+        const double radius = mesh.nodes_lps_mm[std::size_t(triangle[0])].length();
+        sum += radius;
+        squares += radius * radius;
+        ++count;
+      }
+    }
+    const double mean = sum / double(count);
+    roughness[smooth] = std::sqrt(squares / double(count) - mean * mean);
+    EXPECT_NEAR(mean, 12, 0.1) << smooth;
+  }
+  EXPECT_LT(roughness[1], 0.7 * roughness[0]);
+}
+
+TEST(UnitStuffing, ABlockUpToTheBorderKeepsItsFacesFlat) {
+  const Geometry geometry(Vec3i(8, 6, 4), Vec3d(0.5), {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
+  SolidParams params;
+  params.spacing_mm = 1;
+  params.smooth_voxels = 0;
+  params.keeps_volume = false;
+  const SolidMesh mesh = make_tets(mask_of(geometry, box_topology(geometry.dims())), params);
+  Vec3d low(100), high(-100);
+  for (const Vec3d& node : mesh.nodes_lps_mm) {
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], node[a]);
+      high[a] = std::max(high[a], node[a]);
+    }
+  }
+  EXPECT_LT((low - Vec3d(0)).length(), 1e-4);
+  EXPECT_LT((high - Vec3d(8, 6, 4)).length(), 1e-4);
+  EXPECT_NEAR(volume_of(mesh), 8 * 6 * 4, 0.08 * 8 * 6 * 4);  // edges are bevelled
+}
+
+TEST(FaultStuffing, WhatCannotBeMeshedIsToldInOneLine) {
+  const VoxelMask mask = ball(3, Vec3d(1));
+  SolidParams params;
+  params.spacing_mm = 30;
+  EXPECT_NE(input_error([&] { make_tets(mask, params); }).find("spacing: found 30 mm"),
+            std::string::npos);
+  params.spacing_mm = 1e-4;
+  EXPECT_NE(input_error([&] { make_tets(mask, params); }).find("expected a larger one"),
+            std::string::npos);
+  params.spacing_mm = -1;
+  EXPECT_NE(input_error([&] { make_tets(mask, params); }).find("spacing: found -1"),
+            std::string::npos);
+  EXPECT_NE(input_error([&] { make_tets(VoxelMask(), SolidParams()); }).find("voxels: found none"),
+            std::string::npos);
+}
+
+}  // namespace supple::test

@@ -1,0 +1,73 @@
+// supple mesh: a volume or a label becomes a mesh file, with a report.
+#include <filesystem>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/program.h"
+#include "volumes/io/mesh/triangle_mesh.h"
+#include "volumes/io/solid/solid_mesh_file.h"
+
+namespace supple::test {
+namespace {
+
+class UnitMesh : public ::testing::Test {
+ protected:
+  void SetUp() override { write_ball(m_folder, "ball", 24); }
+  std::string at(const std::string& name) const { return m_folder / name; }
+
+  TemporaryFolder m_folder;
+};
+using FaultMesh = UnitMesh;
+
+}  // namespace
+
+TEST_F(UnitMesh, TellsAnglesVolumeAndSurfaceOfAVolumesTetrahedra) {
+  const Outcome outcome =
+      run_supple({"mesh", at("ball.nhdr"), "--elements", "5000", "--json", "-o", at("ball.vtu")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto report = nlohmann::json::parse(outcome.out);
+  EXPECT_GE(report["least_dihedral_deg"], 10.7);
+  EXPECT_LE(report["largest_dihedral_deg"], 164.8);
+  EXPECT_NEAR(report["volume_ml"].get<double>() / report["voxels_ml"].get<double>(), 1, 2e-3);
+  EXPECT_NEAR(report["tetrahedra"].get<double>(), 5000, 1500);
+  EXPECT_EQ(report["open_edges"], 0);
+  EXPECT_EQ(report["pieces"], 1);
+  EXPECT_EQ(report["turned_inside_out"], 0);
+  const SolidMesh mesh = read_solid_mesh(at("ball.vtu"));
+  EXPECT_EQ(mesh.tets.size(), report["tetrahedra"].get<std::size_t>());
+  EXPECT_EQ(mesh.nodes_lps_mm.size(), report["nodes"].get<std::size_t>());
+}
+
+TEST_F(UnitMesh, WritesSeveralFormatsAndTheSurfaceAtOnce) {
+  const Outcome outcome =
+      run_supple({"mesh", at("ball.nhdr"), "--spacing", "3", "-o", at("ball.inp"), "-o",
+                  at("ball.ply"), "-o", at("ball.feb"), "-o", at("ball.msh")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_NE(outcome.out.find("dihedral angles"), std::string::npos) << outcome.out;
+  const SolidMesh mesh = read_solid_mesh(at("ball.inp"));
+  ASSERT_EQ(mesh.faces.size(), 1u);
+  EXPECT_EQ(read_mesh(at("ball.ply")).triangles.size(), mesh.faces[0].triangles.size());
+  EXPECT_TRUE(std::filesystem::exists(at("ball.feb")));
+  EXPECT_TRUE(std::filesystem::exists(at("ball.msh")));
+}
+
+TEST_F(FaultMesh, BadChoicesAreToldInOneLine) {
+  const auto expect = [&](const std::vector<std::string>& options, int exit_code,
+                          const std::string& part) {
+    std::vector<std::string> all = {"mesh", at("ball.nhdr")};
+    all.insert(all.end(), options.begin(), options.end());
+    const Outcome outcome = run_supple(all);
+    EXPECT_EQ(outcome.exit_code, exit_code) << outcome.err;
+    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  };
+  expect({"-o", at("ball.stp")}, 3, "expected .vtu, .inp, .feb, .msh");
+  expect({"--spacing", "100", "-o", at("a.vtu")}, 3, "spacing: found 100 mm");
+  expect({"--spacing", "-2", "-o", at("a.vtu")}, 3, "--spacing: found -2");
+  expect({"--range", "1,2", "--label", "3", "-o", at("a.vtu")}, 2, "found --range and --label");
+  expect({"--label", "brain", "-o", at("a.vtu")}, 3, "--label: found brain");
+  expect({"--range", "5000,6000", "-o", at("a.vtu")}, 3, "ball.nhdr");
+}
+
+}  // namespace supple::test
