@@ -14,9 +14,12 @@ namespace {
 FemLoad read_load(Table& table, LoadKind kind, const LabelNames& names) {
   FemLoad load;
   load.kind = kind;
-  table.read(load_fields(load));
-  if (load.facing && *load.facing == Vec3d(0.0)) table.fail("facing", "[0, 0, 0]", "a direction");
+  const Fields own = load_fields(load);
+  // All keys are known before one is missed, so that the error names the one that is misspelt.
+  for (const Field& field : own) table.has(field.name());
   load.part = read_part(table, names);
+  table.read(own);
+  if (load.facing && *load.facing == Vec3d(0.0)) table.fail("facing", "[0, 0, 0]", "a direction");
   table.finish();
   return load;
 }

@@ -129,6 +129,21 @@ TEST_F(UnitCraniectomy, OfAnOpenedSkullAsMuchComesOutAsTheBrainGrewAndThePressur
   EXPECT_NEAR(way("9,9,3"), 0, 0.02);
 }
 
+TEST_F(UnitCraniectomy, AMisspeltKeyOfALoadIsTheOneThatIsNamed) {
+  for (const auto& [key, misspelt] : {std::pair("pressure_kpa", "presure_kpa"),
+                                      std::pair("grab_density = [50", "grab_densty = [50")}) {
+    const std::string path = scene("");
+    std::string text = read_text(path);
+    text.replace(text.find(key), std::string(key).size(), misspelt);
+    write_text(path, text);
+    const Outcome run = run_supple({"run", path, "--dry-run"});
+    EXPECT_EQ(run.exit_code, 3);
+    const std::string name = std::string(misspelt).substr(0, std::string(misspelt).find(' '));
+    EXPECT_NE(run.err.find("swellings[1]." + name + ": found an unknown key"), std::string::npos)
+        << run.err;
+  }
+}
+
 TEST_F(UnitCraniectomy, ADryRunFindsPartsThatAreNotThere) {
   RUN_WHEN_SANITIZED();
   const struct {
