@@ -179,8 +179,9 @@ TEST(PropertyFemSwelling, WhatComesOutOfAnOpeningIsWhatTheTissueGrewBy) {
 }
 
 TEST(PropertyFemSwelling, AtFiniteStrainAStrongSwellingGrowsInSteps) {
-  const Body body = head(40);
-  const FemModel model(body, ElasticTable::uniform(kBrainYoungKpa, kBrainPoisson));
+  // The whole of it at once is too much for a step, whatever part of the other loads that has.
+  const Body body = head(60);
+  const FemModel model(body, ElasticTable::uniform(kBrainYoungKpa, 0.48));
   const FemSolution solution = model.solve(swollen(body, 6), exact(StrainTheory::finite));
   ASSERT_TRUE(solution.report.newton);
   EXPECT_GT(solution.report.newton->load_steps, 1);
@@ -208,7 +209,6 @@ TEST(PropertyFemSwelling, VolumesHaveTheSameBitsOnAnyNumberOfThreads) {
       return volume_change_mm3(model.mesh(), model.material(), u, theory);
     };
     const double one = on_threads(1, change);
-    EXPECT_EQ(on_threads(2, change), one);
-    EXPECT_EQ(on_threads(5, change), one);
+    for (int round = 0; round < 30; ++round) ASSERT_EQ(on_threads(5, change), one);
   }
 }

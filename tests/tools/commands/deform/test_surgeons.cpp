@@ -92,8 +92,14 @@ class InteropSurgeons : public ::testing::Test {
     if (m_head.empty()) GTEST_SKIP() << "no head CT (tools/fetch_ct_head.sh)";
   }
 
-  Json run_scene_of(const std::string& name) {
-    write_text(m_folder / "scene.toml", reduced(page("scenes/" + name), m_head));
+  /// Runs a scene of the docs with other keys in place of these.
+  Json run_scene_of(const std::string& name, const std::string& key = "",
+                    const std::string& other = "") {
+    std::string scene = reduced(page("scenes/" + name), m_head);
+    const std::size_t at = scene.find(key);
+    EXPECT_NE(at, std::string::npos) << key;
+    if (at != std::string::npos) scene.replace(at, key.size(), other);
+    write_text(m_folder / "scene.toml", scene);
     m_outcome =
         run_supple({"run", m_folder / "scene.toml", "-o", m_folder / "out", "--json", "--force"});
     EXPECT_EQ(m_outcome.exit_code, 0) << m_outcome.err;
@@ -220,7 +226,8 @@ TEST_F(InteropSurgeons, TheFlapIsGone) {
 }
 
 TEST_F(InteropSurgeons, TheBrainComesOutOfTheCraniectomyAndTheSkullStays) {
-  const Json json = run_scene_of("head_craniectomy.toml");
+  // Larger elements take a fifth of the time.
+  const Json json = run_scene_of("head_craniectomy.toml", "accuracy  = \"picture\"", "coarsen = 2");
   ASSERT_FALSE(json.is_null());
   expect_at_rest(largest_of(json.at("rigid_pieces")));
   expect_nothing_lost(json, 0);
@@ -229,8 +236,8 @@ TEST_F(InteropSurgeons, TheBrainComesOutOfTheCraniectomyAndTheSkullStays) {
   EXPECT_EQ(step.at("fem").at("loose_islands"), 0);
   const double out_ml = step.at("fem").at("volume_change_ml");
   EXPECT_GT(out_ml, 28);
-  EXPECT_LT(out_ml, 37);
-  EXPECT_GT(step.at("fem").at("smallest_det_f"), 0.5);
+  EXPECT_LT(out_ml, 34);
+  EXPECT_GT(step.at("fem").at("smallest_det_f"), 0.4);
   // Brain below the middle of the opening goes to the left, out of it; at the other side it stays.
   EXPECT_NEAR(way_of("190,122,70").x, 8, 1);
   EXPECT_LT(way_of("75,122,70").length(), 0.5);
