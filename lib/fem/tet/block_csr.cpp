@@ -4,6 +4,24 @@
 
 namespace supple {
 
+namespace {
+
+Matrix9 product(const Matrix9& a, const Matrix9& b) {
+  Matrix9 out{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      for (std::size_t k = 0; k < 3; ++k) out[3 * i + j] += a[3 * i + k] * b[3 * k + j];
+    }
+  }
+  return out;
+}
+
+Matrix9 transposed(const Matrix9& a) {
+  return {a[0], a[3], a[6], a[1], a[4], a[7], a[2], a[5], a[8]};
+}
+
+}  // namespace
+
 std::size_t NodeSets::largest() const {
   std::size_t most = 0;
   for (std::size_t set = 0; set < size(); ++set) most = std::max(most, count(set));
@@ -53,6 +71,18 @@ BlockCsr::BlockCsr(std::size_t node_count, const std::vector<const NodeSets*>& s
   parallel_for(node_count, kRows, [&](std::size_t row) {
     std::copy(rows[row].begin(), rows[row].end(), m_columns.begin() + m_begin[row]);
   });
+}
+
+BlockCsr BlockCsr::in_frames(const std::vector<Matrix9>& frames) const {
+  BlockCsr out = *this;
+  parallel_for(node_count(), kRows, [&](std::size_t row) {
+    for (std::size_t n = std::size_t(m_begin[row]); n < std::size_t(m_begin[row + 1]); ++n) {
+      const Matrix9 &q = frames[row], &p = frames[std::size_t(m_columns[n])];
+      if (q == kIdentity9 && p == kIdentity9) continue;
+      out.m_blocks[n] = product(product(q, m_blocks[n]), transposed(p));
+    }
+  });
+  return out;
 }
 
 template <int sign, class T>

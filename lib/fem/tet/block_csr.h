@@ -58,6 +58,9 @@ class BlockCsr final : public Operator {
   template <class Fill>
   void add_sets(const NodeSets& sets, const Fill& fill);
 
+  /// The same matrix where the n-th node has the axes in the rows of frames[n].
+  BlockCsr in_frames(const std::vector<Matrix9>& frames) const;
+
   std::size_t node_count() const { return m_begin.size() - 1; }
   const std::vector<std::int64_t>& begin() const { return m_begin; }
   /// Ascending in each row.

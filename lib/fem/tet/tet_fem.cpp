@@ -141,26 +141,34 @@ const FaceSet& TetModel::faces_named(const std::string& name) const {
   return named_set(m_faces, name);
 }
 
+std::vector<std::array<NodeIndex, 3>> TetModel::parts_of_faces(
+    const std::vector<std::string>& names) const {
+  std::vector<std::array<NodeIndex, 3>> parts;
+  for (const std::string& name : names) {
+    for (const auto& face : faces_named(name).triangles) {
+      for_each_part(m_volumes, face, [&](const auto& part) { parts.push_back(part); });
+    }
+  }
+  return parts;
+}
+
 std::vector<NodeIndex> TetModel::nodes_of_faces(const std::string& name) const {
   std::vector<NodeIndex> nodes;
-  for (const auto& face : faces_named(name).triangles) {
-    for_each_part(m_volumes, face, [&](const std::array<NodeIndex, 3>& part) {
-      nodes.insert(nodes.end(), part.begin(), part.end());
-    });
-  }
+  for (const auto& part : parts_of_faces({name}))
+    nodes.insert(nodes.end(), part.begin(), part.end());
   std::sort(nodes.begin(), nodes.end());
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   return nodes;
 }
 
+double TetModel::area_of(const std::array<NodeIndex, 3>& triangle) const {
+  const auto at = [&](std::size_t c) { return m_positions[std::size_t(triangle[c])]; };
+  return (at(1) - at(0)).cross(at(2) - at(0)).length() / 2;
+}
+
 double TetModel::area_of_faces(const std::string& name) const {
   double sum = 0;
-  for (const auto& [a, b, c] : faces_named(name).triangles) {
-    const Vec3d& from = m_positions[std::size_t(a)];
-    const Vec3d twice =
-        (m_positions[std::size_t(b)] - from).cross(m_positions[std::size_t(c)] - from);
-    sum += twice.length() / 2;
-  }
+  for (const auto& triangle : faces_named(name).triangles) sum += area_of(triangle);
   return sum;
 }
 

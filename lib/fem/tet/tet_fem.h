@@ -67,6 +67,9 @@ class TetModel final : public ElasticSolid {
   /// Nodes of a set of faces, ascending, with middles of edges. Throws InputError: no such set.
   std::vector<NodeIndex> nodes_of_faces(const std::string& name) const;
   double area_of_faces(const std::string& name) const;
+  /// The triangles of sets of faces between neighbouring nodes: with ten nodes, four of each face.
+  std::vector<std::array<NodeIndex, 3>> parts_of_faces(const std::vector<std::string>& names) const;
+  double area_of(const std::array<NodeIndex, 3>& triangle) const;
 
   /// Loads at nodes. Throws InputError.
   NodalLoads nodal_loads(const TetLoads& loads) const;
@@ -75,6 +78,8 @@ class TetModel final : public ElasticSolid {
                     Progress* progress = nullptr) const;
 
   std::vector<ElementState> states(const TetSolution& solution, const TetLoads& loads) const;
+  /// Writes how far elements turn and strain, and the least det F.
+  void note_motion(TetSolution& solution, const TetLoads& loads, const MotionLimits& limits) const;
 
   std::int64_t element_count() const override { return std::int64_t(m_volumes.element_count()); }
   std::int64_t node_count() const override { return std::int64_t(m_stiffness.node_count()); }

@@ -15,19 +15,6 @@ namespace {
 /// Corrections by the residual after the solution with exact factors.
 constexpr int kMostRefinements = 5;
 
-void note_motion(const std::vector<ElementState>& states, const MotionLimits& limits,
-                 FemReport& report) {
-  for (const ElementState& state : states) {
-    const double turn = state.rotation_rad.length() * kDegreesPerRadian;
-    const std::array<double, 3> principal = eigenvalues(state.strain);
-    const double strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
-    report.largest_rotation_deg = std::max(report.largest_rotation_deg, turn);
-    report.largest_strain = std::max(report.largest_strain, strain);
-    report.beyond_elements += turn > limits.rotation_deg || strain > limits.strain;
-  }
-  report.beyond_linear = report.beyond_elements > 0;
-}
-
 }  // namespace
 
 void TetParams::validate() const {
@@ -227,9 +214,23 @@ TetSolution TetSolver::solve(const TetLoads& loads, Progress* progress) const {
   if (!is_found) throw NotConverged(out.report);
   balance(nodal, out.u_mm, r, kLeastForce * size.seen_mn, out.report);
   out.reactions = reactions_of(m_parts->model, nodal, r);
-  note_motion(m_parts->model.states(out, loads), params.limits, out.report);
-  out.least_det_f = m_parts->model.volumes().least_det_f(out.u_mm);
+  m_parts->model.note_motion(out, loads, params.limits);
   return out;
+}
+
+void TetModel::note_motion(TetSolution& solution, const TetLoads& loads,
+                           const MotionLimits& limits) const {
+  FemReport& report = solution.report;
+  for (const ElementState& state : states(solution, loads)) {
+    const double turn = state.rotation_rad.length() * kDegreesPerRadian;
+    const std::array<double, 3> principal = eigenvalues(state.strain);
+    const double strain = std::max(std::abs(principal[0]), std::abs(principal[2]));
+    report.largest_rotation_deg = std::max(report.largest_rotation_deg, turn);
+    report.largest_strain = std::max(report.largest_strain, strain);
+    report.beyond_elements += turn > limits.rotation_deg || strain > limits.strain;
+  }
+  report.beyond_linear = report.beyond_elements > 0;
+  solution.least_det_f = m_volumes.least_det_f(solution.u_mm);
 }
 
 TetSolution TetModel::solve(const TetLoads& loads, const TetParams& params,

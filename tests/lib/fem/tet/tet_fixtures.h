@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "lib/fem/tet/tet_contact.h"
 #include "lib/fem/tet/tet_fem.h"
 #include "volumes/io/solid/solid_mesh.h"
 
