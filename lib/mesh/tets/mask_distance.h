@@ -28,6 +28,13 @@ struct VoxelMask {
   Vec3i dims() const { return box.hi - box.lo + Vec3i(1); }
   std::int64_t count() const;
   double volume_mm3() const;
+  /// True if a voxel of the volume belongs to the set.
+  bool holds(const Vec3i& voxel) const {
+    if (!box.contains(voxel)) return false;
+    const Vec3i at = voxel - box.lo, d = dims();
+    const std::size_t row = std::size_t(at.z) * std::size_t(d.y) + std::size_t(at.y);
+    return inside[row * std::size_t(d.x) + std::size_t(at.x)] != 0;
+  }
 };
 
 /// The active voxels in the smallest box around them.

@@ -13,7 +13,7 @@ struct VoxelCover {
   std::int64_t gained = 0;  // of elements, not of the set
 };
 
-/// Counts centres in tetrahedra; hexahedra are left out.
+/// Counts centres in elements.
 VoxelCover cover_of(const VoxelMask& mask, const SolidMesh& mesh);
 
 }  // namespace supple

@@ -1,17 +1,19 @@
-// supple mesh: tetrahedra of the tissue of a volume or of a label, for programs of finite elements,
+// supple mesh: elements of the tissue of a volume, or of labels, for programs of finite elements,
 // and how good they are.
-#include <cmath>
 #include <cstdio>
-#include <filesystem>
 
+#include "lib/material/tissue.h"
+#include "lib/mesh/tets/element_materials.h"
 #include "lib/mesh/tets/make_solid.h"
 #include "lib/mesh/tets/solid_faces.h"
-#include "lib/mesh/tets/solid_quality.h"
-#include "lib/mesh/tets/voxel_cover.h"
+#include "lib/mesh/tets/voxel_hexes.h"
+#include "tools/commands/volumes/mesh_report.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/console/parse.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/json.h"
+#include "volumes/grid/voxel_sets.h"
 #include "volumes/io/load/label_file.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/mesh/mesh_contents.h"
@@ -22,14 +24,13 @@ namespace supple::tools {
 
 namespace {
 
-constexpr double kMm3PerMl = 1000;
-
 struct MeshOptions {
-  std::string input, label;
-  std::vector<std::string> outputs;
+  std::string input, material;
+  std::vector<std::string> outputs, labels;
   ReadOptions read;
   std::optional<NumberPair> range;
-  int components = 0;
+  std::optional<int> hex;
+  int components = 0, bins = 32;
   SolidParams solid;
 };
 
@@ -37,12 +38,10 @@ Fields fields(MeshOptions& options) {
   return {
       Field("range", options.range, "Densities that are meshed")
           .shown_as("LO,HI")
-          .otherwise("all above the least"),
-      Field("label", options.label, "The label that is meshed, of a label volume")
-          .shown_as("N|NAME"),
+          .otherwise("those that the material has, else all above the least"),
       Field("components", options.components, "So many largest pieces that hang together by faces")
           .at_least(0)
-          .otherwise("all"),
+          .otherwise("as the material says, else all"),
       Field("spacing", options.solid.spacing_mm, "Of the lattice; edges are about as long")
           .unit("mm")
           .positive(),
@@ -54,46 +53,151 @@ Fields fields(MeshOptions& options) {
           .range(0, 10),
       Field("keep_volume", options.solid.keeps_volume,
             "Move the surface as a whole until the volume is that of the voxels"),
+      Field("hex", options.hex, "Hexahedra of blocks of so many voxels along each axis: 1, 2, 4 …")
+          .shown_as("VOXELS"),
+      Field("bins", options.bins, "At most so many materials, in steps of equal ratio")
+          .range(1, 10000),
   };
 }
 
-/// What is meshed, and under which name.
+/// What is meshed.
 struct Meshed {
   VoxelMask mask;
-  std::int32_t region = 1;
-  std::string name = "surface";
+  DensityGrid density;
+  std::optional<ElasticOfLabels> elastic;
+  std::int32_t region = 1;  // where there is one alone
+  bool are_labels = false;  // densities are labels of several regions
+  std::map<std::int32_t, std::string> names{{1, "surface"}};
+
+  VoxelLabel label_of() const {
+    return [this](const Vec3i& voxel) {
+      return are_labels ? std::int32_t(density.at(voxel)) : region;
+    };
+  }
 };
 
+MaterialTable read_table(const MeshOptions& options, Console& console) {
+  MaterialTable table = is_tissue_preset("--material", options.material)
+                            ? preset_material(options.material)
+                            : read_material(options.material, label_names(options.input));
+  if (!table.fits_domain && !table.finds_foreground) return table;
+  const auto file = open_volume(options.input, options.read);
+  return fitted_to(std::move(table), digest_volume(*file, &console).statistics);
+}
+
+/// The labels that are meshed, by number; empty: all.
+std::vector<std::int32_t> wanted_labels(const MeshOptions& options) {
+  std::vector<std::int32_t> labels;
+  if (options.labels == std::vector<std::string>{"all"}) return labels;
+  const LabelNames names = label_names(options.input);
+  for (const std::string& text : options.labels) {
+    const auto label = find_label(names, text);
+    if (!label) throw InputError({options.input, "--label", text, expected_label(names)});
+    labels.push_back(*label);
+  }
+  return labels;
+}
+
+BrickTopology only_labels(const DensityGrid& density, const BrickTopology& voxels,
+                          const std::vector<std::int32_t>& labels) {
+  std::vector<Vec3i> origins;
+  std::vector<BrickMask> masks;
+  for (std::size_t b = 0; b < voxels.brick_count(); ++b) {
+    BrickMask mask{};
+    for_each_active(voxels.mask(b), [&](int offset) {
+      const float value = density.at(voxels.origin(b) + brick_local(offset));
+      const auto is_it = [&](std::int32_t label) { return float(label) == value; };
+      if (std::any_of(labels.begin(), labels.end(), is_it)) mask_set(mask, offset);
+    });
+    origins.push_back(voxels.origin(b));
+    masks.push_back(mask);
+  }
+  return {std::move(origins), std::move(masks)};
+}
+
+/// The voxels of labels; several become regions.
+BrickTopology read_labelled(const MeshOptions& options, Meshed& meshed, Console& console) {
+  const std::vector<std::int32_t> labels = wanted_labels(options);
+  double lo = 1, hi = kMaxLabel;
+  if (!labels.empty()) {
+    lo = *std::min_element(labels.begin(), labels.end());
+    hi = *std::max_element(labels.begin(), labels.end());
+  }
+  const auto file = open_volume(options.input, options.read, &console);
+  ElementVolume loaded =
+      load_elements(*file, lo, hi, lo == hi ? options.components : 0, 0, &console);
+  meshed.density = loaded.volume.density;
+  meshed.names.clear();
+  for (const auto& [label, name] : label_names(options.input)) meshed.names[label] = name;
+  meshed.are_labels = lo != hi;
+  meshed.region = std::int32_t(lo);
+  if (labels.size() <= 1) return loaded.elements;
+  for (const std::int32_t label : labels) {
+    const std::vector<std::int32_t> one = {label};
+    if (!only_labels(meshed.density, loaded.elements, one).empty()) continue;
+    throw InputError({options.input, "--label", std::to_string(label) + ", which no voxel has",
+                      "a label of the volume"});
+  }
+  return only_labels(meshed.density, loaded.elements, labels);
+}
+
+BrickTopology read_densities(const MeshOptions& options, const std::optional<NumberPair>& range,
+                             int components, Meshed& meshed, Console& console) {
+  const auto file = open_volume(options.input, options.read, &console);
+  if (range) {
+    ElementVolume loaded =
+        load_elements(*file, range->first, range->second, components, 0, &console);
+    meshed.density = loaded.volume.density;
+    return loaded.elements;
+  }
+  meshed.density = load_volume(*file, &console).density;
+  const BrickTopology& voxels = meshed.density.bricks();
+  return components > 0 ? largest_components(voxels, components) : voxels;
+}
+
 Meshed read_meshed(const MeshOptions& options, Console& console) {
-  if (options.range && !options.label.empty()) {
+  if (options.range && !options.labels.empty()) {
     throw UsageError("mesh: found --range and --label, expected one of them");
   }
   Meshed meshed;
-  BrickTopology voxels;
-  const auto file = open_volume(options.input, options.read, &console);
-  if (options.range || !options.label.empty()) {
-    NumberPair range = options.range.value_or(NumberPair());
-    if (!options.label.empty()) {
-      const LabelNames names = label_names(options.input);
-      const auto label = find_label(names, options.label);
-      if (!label) {
-        throw InputError({options.input, "--label", options.label, expected_label(names)});
-      }
-      range = {double(*label), double(*label)};
-      meshed.region = *label;
-      meshed.name = "label_" + std::to_string(*label);
-    }
-    voxels =
-        load_elements(*file, range.first, range.second, options.components, 0, &console).elements;
-  } else {
-    voxels = load_volume(*file, &console).density.bricks();
-    if (options.components > 0) voxels = largest_components(voxels, options.components);
+  std::optional<NumberPair> range = options.range;
+  int components = options.components;
+  if (!options.material.empty()) {
+    const MaterialTable table = read_table(options, console);
+    meshed.elastic = elastic_curves(table);
+    if (!range) range = NumberPair(table.active_lo, table.active_hi);
+    if (components == 0) components = table.components;
   }
+  const BrickTopology voxels = options.labels.empty()
+                                   ? read_densities(options, range, components, meshed, console)
+                                   : read_labelled(options, meshed, console);
   if (voxels.empty()) {
     throw InputError({options.input, "", "no voxel above the least density", "some tissue"});
   }
-  meshed.mask = mask_of(file->header().geometry, voxels);
+  meshed.mask = mask_of(open_volume(options.input, options.read)->header().geometry, voxels);
   return meshed;
+}
+
+/// The mesh with its regions, faces and materials; facts about its making go into the report.
+SolidMesh make_mesh(const MeshOptions& options, const Meshed& meshed, Value& report,
+                    Console& console) {
+  SolidMesh mesh;
+  if (options.hex) {
+    mesh = make_hexes(meshed.mask, *options.hex, meshed.region);
+  } else {
+    SolidReport made;
+    mesh = make_tets(meshed.mask, options.solid, meshed.region, "surface", &made, &console);
+    report["spacing_mm"] = spacing_for(options.solid, meshed.mask.volume_mm3());
+    report["surface_outwards_mm"] = made.outwards_mm;
+    report["passes"] = made.passes;
+  }
+  if (meshed.are_labels) give_regions(mesh, meshed.mask, meshed.label_of());
+  mesh.faces = faces_of_regions(mesh, meshed.names);
+  if (meshed.elastic) {
+    give_materials(mesh, meshed.mask, meshed.density, *meshed.elastic, meshed.label_of(),
+                   options.bins);
+  }
+  return mesh;
 }
 
 void write_surface(const std::string& path, const SolidMesh& mesh) {
@@ -116,82 +220,7 @@ void write_surface(const std::string& path, const SolidMesh& mesh) {
   write_mesh(path, network);
 }
 
-void write_outputs(const MeshOptions& options, const SolidMesh& mesh, Console& console) {
-  for (const std::string& path : options.outputs) {
-    if (is_solid_mesh_name(path)) {
-      write_solid_mesh(path, mesh, &console);
-    } else {
-      write_surface(path, mesh);
-    }
-  }
-}
-
-Value report_of(const Meshed& meshed, const SolidParams& params, const SolidMesh& mesh,
-                const SolidReport& made) {
-  const SolidQuality quality = quality_of(mesh);
-  const VoxelCover cover = cover_of(meshed.mask, mesh);
-  const double voxel_ml = std::abs(meshed.mask.geometry.determinant()) / kMm3PerMl;
-  std::size_t triangles = 0;
-  SurfaceTopology surface;
-  for (const FaceSet& faces : mesh.faces) {
-    triangles += faces.triangles.size();
-    const SurfaceTopology own = topology_of(faces.triangles);
-    surface.open_edges += own.open_edges;
-    surface.pinched_edges += own.pinched_edges;
-  }
-  double volume_ml = 0;
-  for (const auto& [region, volume] : quality.volume_mm3) volume_ml += volume / kMm3PerMl;
-  return {
-      {"nodes", mesh.nodes_lps_mm.size()},
-      {"tetrahedra", mesh.tets.size()},
-      {"triangles", triangles},
-      {"spacing_mm", spacing_for(params, meshed.mask.volume_mm3())},
-      {"least_dihedral_deg", quality.least_dihedral_deg},
-      {"largest_dihedral_deg", quality.largest_dihedral_deg},
-      {"mean_aspect", quality.mean_aspect},
-      {"largest_aspect", quality.largest_aspect},
-      {"edges_mm",
-       Value({quality.shortest_edge_mm, quality.mean_edge_mm, quality.longest_edge_mm})},
-      {"element_volumes_mm3",
-       Value({quality.least_volume_mm3, quality.mean_volume_mm3, quality.largest_volume_mm3})},
-      {"turned_inside_out", quality.turned_inside_out},
-      {"volume_ml", volume_ml},
-      {"voxels_ml", double(meshed.mask.count()) * voxel_ml},
-      {"lost_ml", double(cover.lost) * voxel_ml},
-      {"gained_ml", double(cover.gained) * voxel_ml},
-      {"pieces", count_pieces(mesh)},
-      {"open_edges", surface.open_edges},
-      {"pinched_edges", surface.pinched_edges},
-      {"surface_outwards_mm", made.outwards_mm},
-      {"passes", made.passes},
-  };
-}
-
-void print_report(const Value& report) {
-  const auto number = [&](const char* key) { return report[key].number(); };
-  const auto count = [&](const char* key) { return static_cast<long long>(report[key].whole()); };
-  std::printf("%lld tetrahedra, %lld nodes, %lld triangles of the surface; spacing %.4g mm\n",
-              count("tetrahedra"), count("nodes"), count("triangles"), number("spacing_mm"));
-  std::printf("dihedral angles  %.2f to %.2f degrees\n", number("least_dihedral_deg"),
-              number("largest_dihedral_deg"));
-  std::printf("aspect           %.3g in the mean, %.3g at most\n", number("mean_aspect"),
-              number("largest_aspect"));
-  const Value& edges = report["edges_mm"];
-  std::printf("edges            %.3g to %.3g mm, %.3g in the mean\n", edges[0].number(),
-              edges[2].number(), edges[1].number());
-  const Value& volumes = report["element_volumes_mm3"];
-  std::printf("volumes          %.3g to %.3g mm³, %.3g in the mean\n", volumes[0].number(),
-              volumes[2].number(), volumes[1].number());
-  std::printf("volume           %.5g ml, %.2f %% of the voxels' %.5g ml\n", number("volume_ml"),
-              100 * number("volume_ml") / number("voxels_ml"), number("voxels_ml"));
-  std::printf("voxels           %.4g ml of them in no element, %.4g ml of others in one\n",
-              number("lost_ml"), number("gained_ml"));
-  std::printf("surface          %s; %lld edges at which parts touch; %lld %s\n",
-              count("open_edges") == 0 ? "closed" : "open", count("pinched_edges"), count("pieces"),
-              count("pieces") == 1 ? "piece" : "pieces");
-}
-
-int run_mesh(const MeshOptions& options, const GlobalOptions& global, Console& console) {
+void plan_outputs(const MeshOptions& options, const GlobalOptions& global, Console& console) {
   OutputPlan plan(global.force);
   plan.protect(options.input, options.read);
   for (const std::string& output : options.outputs) {
@@ -202,19 +231,29 @@ int run_mesh(const MeshOptions& options, const GlobalOptions& global, Console& c
     plan.add_like(output, output);
   }
   console.claim(plan.files());
+}
+
+int run_mesh(const MeshOptions& options, const GlobalOptions& global, Console& console) {
+  plan_outputs(options, global, console);
   const Meshed meshed = read_meshed(options, console);
-  SolidReport made;
-  const SolidMesh mesh =
-      make_tets(meshed.mask, options.solid, meshed.region, meshed.name, &made, &console);
+  Value made;
+  const SolidMesh mesh = make_mesh(options, meshed, made, console);
   console.stage("measuring");
-  const Value report = report_of(meshed, options.solid, mesh, made);
-  write_outputs(options, mesh, console);
+  Value report = mesh_report(mesh, meshed.mask, voxels_of_labels(meshed.mask, meshed.label_of()));
+  report.update(made);
+  for (const std::string& path : options.outputs) {
+    if (is_solid_mesh_name(path)) {
+      write_solid_mesh(path, mesh, &console);
+    } else {
+      write_surface(path, mesh);
+    }
+  }
   console.stage_seconds();
   if (global.json) {
     std::printf("%s\n", json_text(report, 2).c_str());
   } else if (!global.quiet) {
     console.clear_line();
-    print_report(report);
+    print_mesh_report(report);
   }
   return kOk;
 }
@@ -224,10 +263,11 @@ int run_mesh(const MeshOptions& options, const GlobalOptions& global, Console& c
 Command add_mesh(CLI::App& program) {
   auto options = std::make_shared<MeshOptions>();
   CLI::App* app = add_subcommand(
-      program, "mesh", "Tetrahedra of the tissue of a volume, for programs of finite elements",
+      program, "mesh",
+      "Elements of the tissue of a volume or of labels, for programs of finite elements",
       "  supple mesh brain.nii.gz --elements 35000 -o brain.vtu\n"
-      "  supple mesh head.nhdr --range 300,3100 --spacing 3 -o skull.inp -o skull.stl\n"
-      "  supple mesh labels.nii.gz --label 41 --spacing 1.5 --json -o part.feb");
+      "  supple mesh head.nhdr --material ct-head --spacing 3 -o head.inp -o head.stl\n"
+      "  supple mesh labels.nii.gz --label 41 --label 42 --spacing 1.5 -o parts.feb");
   app->add_option("input", options->input, "A volume or a label volume")
       ->required()
       ->option_text("IN");
@@ -237,6 +277,14 @@ Command add_mesh(CLI::App& program) {
       ->required()
       ->allow_extra_args(false)
       ->option_text("OUT");
+  app->add_option("--label", options->labels,
+                  "What is meshed, of a label volume; several, or all, become regions that share "
+                  "faces; repeatable")
+      ->allow_extra_args(false)
+      ->option_text("N|NAME|all");
+  app->add_option("--material", options->material,
+                  "Table whose stiffness and Poisson's ratio the elements get by their densities")
+      ->option_text("M.toml|NAME");
   add_field_options(*app, fields(*options));
   for (const Field& field : fields(options->read)) {
     if (field.name() != "spacing") add_field_options(*app, {field});

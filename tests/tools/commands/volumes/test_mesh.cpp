@@ -1,4 +1,5 @@
 // supple mesh: a volume or a label becomes a mesh file, with a report.
+#include <algorithm>
 #include <filesystem>
 
 #include <gtest/gtest.h>
@@ -50,6 +51,57 @@ TEST_F(UnitMesh, WritesSeveralFormatsAndTheSurfaceAtOnce) {
   EXPECT_EQ(read_mesh(at("ball.ply")).triangles.size(), mesh.faces[0].triangles.size());
   EXPECT_TRUE(std::filesystem::exists(at("ball.feb")));
   EXPECT_TRUE(std::filesystem::exists(at("ball.msh")));
+}
+
+TEST_F(UnitMesh, ElementsHaveTheStiffnessOfTheirDensitiesAsHexahedraToo) {
+  write_soft_material(at("material.toml"));
+  write_text(at("material.toml"), read_text(at("material.toml")) +
+                                      "stiffness = [[0, 5], [255, 50]]\npoisson = [[0, 0.4]]\n");
+  for (const std::vector<std::string>& kind :
+       {std::vector<std::string>{"--spacing", "3"}, {"--hex", "2"}}) {
+    std::vector<std::string> arguments = {
+        "mesh",   at("ball.nhdr"), "--material", at("material.toml"), "--bins", "5",
+        "--json", "--force",       "-o",         at("ball.inp")};
+    arguments.insert(arguments.end(), kind.begin(), kind.end());
+    const Outcome outcome = run_supple(arguments);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto report = nlohmann::json::parse(outcome.out);
+    EXPECT_LE(report["materials"], 5);
+    EXPECT_GE(report["young_kpa"][0], 5);
+    EXPECT_LE(report["young_kpa"][1], 50);
+    const SolidMesh mesh = read_solid_mesh(at("ball.inp"));
+    EXPECT_EQ(mesh.hexes.empty(), kind[0] != "--hex");
+    EXPECT_EQ(mesh.materials.size(), report["materials"].get<std::size_t>());
+    EXPECT_NEAR(mesh.materials[0].poisson, 0.4, 1e-9);
+  }
+}
+
+TEST_F(UnitMesh, SeveralLabelsBecomeRegionsThatShareFaces) {
+  std::string bytes;
+  for (int n = 0; n < 16 * 16 * 16; ++n) {
+    const int i = n % 16;
+    bytes += char(i < 2 || i > 13 ? 0 : i < 8 ? 3 : 8);
+  }
+  write_text(at("labels.raw"), bytes);
+  write_text(at("labels.nhdr"),
+             "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n"
+             "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+             "space origin: (0,0,0)\ndata file: labels.raw\n");
+  const Outcome outcome = run_supple({"mesh", at("labels.nhdr"), "--label", "all", "--spacing", "2",
+                                      "--json", "-o", at("labels.inp")});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto report = nlohmann::json::parse(outcome.out);
+  for (const char* label : {"3", "8"}) {
+    const auto& region = report["regions"][label];
+    EXPECT_NEAR(region["volume_ml"].get<double>() / region["voxels_ml"].get<double>(), 1, 0.1);
+  }
+  std::vector<std::string> names;
+  for (const FaceSet& faces : read_solid_mesh(at("labels.inp")).faces) names.push_back(faces.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"region_3", "region_3_to_region_8", "region_8"}));
+  const Outcome one = run_supple({"mesh", at("labels.nhdr"), "--label", "8", "--label", "4",
+                                  "--spacing", "2", "-o", at("four.vtu")});
+  EXPECT_EQ(one.exit_code, 3);
+  EXPECT_NE(one.err.find("--label: found 4, which no voxel has"), std::string::npos) << one.err;
 }
 
 TEST_F(FaultMesh, BadChoicesAreToldInOneLine) {
