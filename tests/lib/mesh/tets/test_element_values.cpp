@@ -129,7 +129,7 @@ TEST(PropertyElementRegions, RegionsShareFacesCloseAndHaveTheirVoxelsVolumes) {
   const VoxelLabel label_of = [](const Vec3i& v) {
     const Vec3d from = Vec3d(v) - Vec3d(19.5);
     if (from.length() < 9) return 2;
-    return from.x < 0 ? 5 : from.y < 0 ? 6 : 9;
+    return from.x < 1.2 ? 5 : from.y < -0.7 ? 6 : 9;
   };
   SolidParams params;
   params.spacing_mm = 2.5;

@@ -84,12 +84,12 @@ TEST(PropertyStuffing, AThousandRandomMasksAreMeshedWithinTheProvenAngles) {
     SolidParams params;
     const Vec3d size = geometry.spacing_mm();
     const double voxel = std::min({size.x, size.y, size.z});
-    params.spacing_mm = voxel * std::uniform_real_distribution<double>(0.45, 1.3)(random);
+    params.spacing_mm = voxel * std::uniform_real_distribution<double>(0.4, 1.3)(random);
     params.smooth_voxels = random() % 3 == 0 ? 0 : 1;
     const BccLattice lattice(geometry, mask.box, *params.spacing_mm);
     const SolidMesh mesh = stuff_surface(MaskDistance(mask, params.smooth_voxels), lattice);
-    // A single voxel holds a ball of 0.36 of its size, a lattice misses none of 0.56 spacings.
-    const bool is_fine = *params.spacing_mm < 0.64 * voxel;
+    // A lattice of half the size of a voxel misses not even a single one.
+    const bool is_fine = *params.spacing_mm < 0.5 * voxel;
     ASSERT_FALSE(is_fine && mesh.tets.empty()) << n;
     if (mesh.tets.empty()) continue;
     ++meshed;
