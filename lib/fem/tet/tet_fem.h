@@ -8,8 +8,10 @@
 // incomplete Cholesky factors, or by exact factors for many loads. Results do not depend on the
 // number of threads.
 //
-//   TetModel brain(mesh, TetElement::nodal_pressure, {{"skull", SheetKind::both, 2500, 0.48,
-//   0.6}}); TetLoads loads; loads.held.push_back({brain.nodes_of_faces("held")});
+//   const ElasticSheet dura{"skull", SheetKind::both, 2500, 0.48, 0.6};
+//   TetModel brain(mesh, TetElement::nodal_pressure, {dura});
+//   TetLoads loads;
+//   loads.held.push_back({brain.nodes_of_faces("held")});
 //   loads.swelling_kpa.assign(mesh.tets.size(), 20 * 0.1333224);
 //   TetSolution swollen = brain.solve(loads);
 #pragma once

@@ -12,8 +12,8 @@ namespace supple {
 struct TetHeld {
   std::vector<NodeIndex> nodes;
   std::uint8_t components = kAllHeld;
-  std::vector<Vec3d> displacement_mm;  // LPS, per node, or one for all; empty: where they rest
-  bool holds_turns = false;            // of the edges of sheets that have both ends here: clamped
+  std::vector<Vec3d> displacement_mm = {};  // LPS, per node, or one for all; empty: at rest
+  bool holds_turns = false;  // of the edges of sheets that have both ends here: clamped
 };
 
 struct TetForce {
