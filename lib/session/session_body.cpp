@@ -5,8 +5,10 @@
 
 #include "lib/relax/relaxation.h"
 #include "lib/session/handles/drag_handles.h"
+#include "lib/session/retraction.h"
 #include "lib/session/step_model.h"
 #include "volumes/base/error.h"
+#include "volumes/grid/labels.h"
 
 namespace supple {
 

@@ -20,6 +20,12 @@
 
 namespace supple {
 
+/// A date or a time of TOML, which no setting takes.
+struct TomlMoment {
+  std::string text;
+  bool operator==(const TomlMoment& other) const { return text == other.text; }
+};
+
 class Value;
 /// True for the types that become a value without being asked to.
 template <class T>
@@ -32,6 +38,8 @@ template <>
 constexpr bool makes_value<Vec3d> = true;
 template <>
 constexpr bool makes_value<IndexBox> = true;
+template <>
+constexpr bool makes_value<TomlMoment> = true;
 template <class T>
 constexpr bool makes_value<std::vector<T>> = true;
 template <class T, std::size_t count>
@@ -42,11 +50,7 @@ class Value {
   struct Entry;
   using List = std::vector<Value>;
   using Entries = std::vector<Entry>;
-  /// A date or a time of TOML, which no setting takes.
-  struct Moment {
-    std::string text;
-    bool operator==(const Moment& other) const { return text == other.text; }
-  };
+  using Moment = TomlMoment;
 
   Value() = default;
   /// Makes a null, a truth, a whole number or another one, a text, or a list of the like; of a box
@@ -141,8 +145,6 @@ class Value {
   std::variant<std::monostate, bool, std::int64_t, double, std::string, Moment, List, Entries>
       m_data;
 };
-template <>
-constexpr bool makes_value<Value::Moment> = true;
 
 struct Value::Entry {
   std::string key;

@@ -1,6 +1,9 @@
 // What `supple mesh` says about a mesh, as values and for people.
 #pragma once
 
+#include <cstdint>
+#include <map>
+
 #include "lib/mesh/tets/make_solid.h"
 #include "volumes/base/value.h"
 
