@@ -1,6 +1,6 @@
 // `supple bench fem`: how fast the operator of voxel finite elements is, how long solves take and
 // what memory they need, and how iterations grow with the contrast of stiffness and with Poisson's
-// ratio.
+// ratio; and solves on tetrahedra.
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -12,6 +12,7 @@
 #include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/fem_problems.h"
+#include "tools/lab/bench/elastic/tet_rows.h"
 #include "tools/lab/bench/report/memory.h"
 #include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
@@ -33,10 +34,12 @@ struct FemBenchRow {
   std::string precision;  // of operator rows
   EquationSolver solver = EquationSolver::multigrid;
   int threads = 1;
+  TetRow tets;  // of such rows
 
   /// operator/cube/size/precision/threads, solve/field/size/nu, beside/field/size/solver or
   /// iterations/field/size/contrast/nu.
   std::string name() const {
+    if (kind == "tets") return tets.name();
     char numbers[64];
     if (kind == "operator") {
       std::snprintf(numbers, sizeof numbers, "%d/%s/%d", subject.size, precision.c_str(), threads);
@@ -122,6 +125,10 @@ std::vector<FemBenchRow> plan_fem(const BenchOptions& options, const std::string
     plan_peers(threads, plan);
   }
   plan_iterations(options.quick, threads, plan);
+  for (const TetRow& row : tet_rows(options.quick)) {
+    plan.push_back(row_of_body("tets", "ball", row.size, threads));
+    plan.back().tets = row;
+  }
   plan.erase(std::remove_if(
                  plan.begin(), plan.end(),
                  [&](const FemBenchRow& row) { return !is_wanted_row(options.only, row.name()); }),
@@ -213,6 +220,7 @@ TimedSolve solve_once(const FemProblem& problem, EquationSolver solver, Progress
 
 BenchRow measure_solve(const FemBenchRow& row, const BenchOptions& options, const std::string& head,
                        Progress& cancel) {
+  if (row.kind == "tets") return measure_tets(row.tets, options.quick ? 1 : 3, row.threads, cancel);
   const FemProblem problem = fem_problem(row.subject, head);
   const bool is_small = problem.body.elements.active_count() < 1000000;
   const int rounds = options.quick || !is_small || row.kind == "iterations" ? 1 : 3;
@@ -275,7 +283,8 @@ std::vector<std::string> fem_row_names(const BenchOptions& options, Console& con
 /// Rows by case:
 ///   operator    products with the stiffness matrix, one and several threads, both precisions;
 ///   solve       bodies of one material and the head, to the tolerances that steps have;
-///   iterations  the same of contrasts and Poisson's ratios; what does not converge is a row, too.
+///   iterations  the same of contrasts and Poisson's ratios; what does not converge is a row, too;
+///   tets        a swelling ball of tetrahedra.
 /// Throws UsageError when `only` leaves no row, Cancelled.
 BenchReport bench_fem(const BenchOptions& options, Console& console) {
   const std::string head = head_file(options.ct_head, options.only.empty(), console);
