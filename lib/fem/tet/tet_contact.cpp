@@ -218,7 +218,7 @@ TetContactSolution ShellRounds::run(const TetLoads& loads, Progress* progress) {
 }
 
 void ShellRounds::write_report(const TetLoads& loads, TetContactSolution& out) const {
-  ContactReport& report = out.report;
+  ShellContactReport& report = out.report;
   report.rounds = m_rounds;
   report.deepest_mm = m_deepest_mm;
   report.nodes = std::int64_t(m_bounds.size());

@@ -41,7 +41,7 @@ struct ShellOpening {
   double free_area_mm2 = 0;  // of those that have no node on the shell
 };
 
-struct ContactReport {
+struct ShellContactReport {
   int rounds = 0;
   std::int64_t nodes = 0, pressing = 0;
   double deepest_mm = 0;        // of a node beyond the shell
@@ -55,7 +55,7 @@ struct ContactReport {
 
 struct TetContactSolution {
   TetSolution solution;  // its report is of the last round, its reactions without the shell
-  ContactReport report;
+  ShellContactReport report;
   std::vector<NodeIndex> nodes;      // of the shell, ascending
   std::vector<double> pressure_kpa;  // on each, 0 where it has parted
 };
