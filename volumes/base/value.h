@@ -29,21 +29,22 @@ struct TomlMoment {
 class Value;
 /// True for the types that become a value without being asked to.
 template <class T>
-constexpr bool makes_value = std::is_arithmetic_v<T> || std::is_convertible_v<T, std::string_view>;
+inline constexpr bool makes_value =
+    std::is_arithmetic_v<T> || std::is_convertible_v<T, std::string_view>;
 template <>
-constexpr bool makes_value<Value> = false;
+inline constexpr bool makes_value<Value> = false;
 template <>
-constexpr bool makes_value<Vec3i> = true;
+inline constexpr bool makes_value<Vec3i> = true;
 template <>
-constexpr bool makes_value<Vec3d> = true;
+inline constexpr bool makes_value<Vec3d> = true;
 template <>
-constexpr bool makes_value<IndexBox> = true;
+inline constexpr bool makes_value<IndexBox> = true;
 template <>
-constexpr bool makes_value<TomlMoment> = true;
+inline constexpr bool makes_value<TomlMoment> = true;
 template <class T>
-constexpr bool makes_value<std::vector<T>> = true;
+inline constexpr bool makes_value<std::vector<T>> = true;
 template <class T, std::size_t count>
-constexpr bool makes_value<std::array<T, count>> = true;
+inline constexpr bool makes_value<std::array<T, count>> = true;
 
 class Value {
  public:
