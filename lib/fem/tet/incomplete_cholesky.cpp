@@ -8,6 +8,8 @@ namespace supple {
 
 namespace {
 
+/// Parts of the diagonal by which it is raised where it must be: at first, by which factor each
+/// time after, and where that ends.
 constexpr double kFirstShift = 1e-3, kShiftGrowth = 3, kLargestShift = 100;
 
 /// a -= b c^T.

@@ -14,7 +14,7 @@ namespace supple {
 
 namespace {
 
-/// So few nodes are not divided any more.
+/// The largest number of nodes that are not divided any more.
 constexpr std::size_t kSmallPart = 40;
 /// Halves of so many unknowns are worth a thread of their own.
 constexpr std::int32_t kLargePart = 300;

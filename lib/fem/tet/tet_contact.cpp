@@ -261,6 +261,8 @@ void ShellRounds::write_report(const TetLoads& loads, TetContactSolution& out) c
   }
   out.solution.u_mm = m_u;
   out.solution.report = m_report;
+  out.solution.report.elements = m_model.element_count();
+  out.solution.report.nodes = std::int64_t(m_model.place_count());
   out.solution.reactions = reactions_of(m_model, m_loads, m_r);
   m_model.note_motion(out.solution, loads, m_params.limits);
 }

@@ -54,7 +54,8 @@ struct ShellContactReport {
 };
 
 struct TetContactSolution {
-  TetSolution solution;  // its report is of the last round, its reactions without the shell
+  /// Iterations and time are of all rounds, the residual of the last; reactions without the shell.
+  TetSolution solution;
   ShellContactReport report;
   std::vector<NodeIndex> nodes;      // of the shell, ascending
   std::vector<double> pressure_kpa;  // on each, 0 where it has parted

@@ -85,7 +85,7 @@ class TetModel final : public ElasticSolid {
 
   std::int64_t element_count() const override { return std::int64_t(m_volumes.element_count()); }
   std::int64_t node_count() const override { return std::int64_t(m_stiffness.node_count()); }
-  /// Where turns have no place, the middle of the first edge.
+  /// Positions at rest; a node of turns has the middle of its first edge.
   std::vector<Vec3d> node_positions() const override { return m_positions; }
   std::vector<Vec3d> node_positions(const std::vector<NodeIndex>& nodes) const override;
   NodePieces node_pieces() const override;
@@ -99,7 +99,10 @@ class TetModel final : public ElasticSolid {
 
  private:
   const FaceSet& faces_named(const std::string& name) const;
+  void require_place(NodeIndex node, const char* of) const;
+  void hold(const TetHeld& held, NodalLoads& out) const;
   void add_pressure(const FacePressure& pressure, std::vector<double>& force_mn) const;
+  void add_volume_forces(const TetLoads& loads, std::vector<double>& force_mn) const;
   BlockCsr weighted_matrix(const ElementWeights& weights) const;
 
   std::vector<FaceSet> m_faces;

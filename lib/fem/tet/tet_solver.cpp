@@ -6,6 +6,7 @@
 #include "lib/fem/tet/tet_fem.h"
 #include "lib/fem/tet/tet_system.h"
 #include "volumes/base/stopwatch.h"
+#include "volumes/base/text.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -25,70 +26,83 @@ void TetParams::validate() const {
   require(limits.strain > 0, "max_strain", limits.strain, "above 0");
 }
 
-NodalLoads TetModel::nodal_loads(const TetLoads& loads) const {
-  const std::size_t places = place_count(), unknowns = 3 * std::size_t(node_count());
-  NodalLoads out;
-  out.held.assign(std::size_t(node_count()), 0);
-  out.u_mm.assign(unknowns, 0);
-  out.force_mn.assign(unknowns, 0);
-  const auto check = [&](NodeIndex node, const char* of) {
-    if (node >= 0 && std::size_t(node) < places) return;
-    throw InputError(
-        {"", of, "node " + std::to_string(node), "0 to " + std::to_string(places - 1)});
-  };
-  for (const TetHeld& held : loads.held) {
-    const std::size_t count = held.displacement_mm.size();
-    if (count > 1 && count != held.nodes.size()) {
-      throw InputError({"", "held", std::to_string(count) + " displacements",
-                        std::to_string(held.nodes.size()) + ", one per node, or one for all"});
-    }
-    std::vector<char> is_here(places, 0);
-    for (std::size_t n = 0; n < held.nodes.size(); ++n) {
-      const NodeIndex node = held.nodes[n];
-      check(node, "held");
-      is_here[std::size_t(node)] = 1;
-      out.held[std::size_t(node)] |= held.components;
-      const Vec3d u = count == 0 ? Vec3d(0) : held.displacement_mm[count == 1 ? 0 : n];
-      for (int a = 0; a < 3; ++a) {
-        if ((held.components >> a & 1) != 0)
-          out.u_mm[3 * std::size_t(node) + std::size_t(a)] = u[a];
-      }
-    }
-    out.nodes_of.push_back(held.nodes);
-    for (std::size_t e = 0; e < m_shells.edges().size() && held.holds_turns; ++e) {
-      const auto [a, b] = m_shells.edges()[e];
-      if (is_here[std::size_t(a)] == 0 || is_here[std::size_t(b)] == 0) continue;
-      out.held[places + e / 3] |= std::uint8_t(1 << e % 3);
-    }
+void TetModel::require_place(NodeIndex node, const char* of) const {
+  if (node >= 0 && std::size_t(node) < place_count()) return;
+  throw InputError(
+      {"", of, "node " + std::to_string(node), "0 to " + std::to_string(place_count() - 1)});
+}
+
+/// Marks what is held and where it is led, with the turns of clamped edges.
+void TetModel::hold(const TetHeld& held, NodalLoads& out) const {
+  const std::size_t count = held.displacement_mm.size();
+  if (count > 1 && count != held.nodes.size()) {
+    throw InputError({"", "held", std::to_string(count) + " displacements",
+                      std::to_string(held.nodes.size()) + ", one per node, or one for all"});
   }
-  // Components of the last node that are no edge's turn.
-  for (std::size_t e = m_shells.edges().size(); e < 3 * m_shells.turn_node_count(); ++e) {
-    out.held[places + e / 3] |= std::uint8_t(1 << e % 3);
-  }
-  for (const TetForce& force : loads.forces) {
-    check(force.node, "forces");
+  std::vector<char> is_here(place_count(), 0);
+  for (std::size_t n = 0; n < held.nodes.size(); ++n) {
+    const NodeIndex node = held.nodes[n];
+    require_place(node, "held");
+    is_here[std::size_t(node)] = 1;
+    out.held[std::size_t(node)] |= held.components;
+    const Vec3d u = count == 0 ? Vec3d(0) : held.displacement_mm[count == 1 ? 0 : n];
     for (int a = 0; a < 3; ++a) {
-      out.force_mn[3 * std::size_t(force.node) + std::size_t(a)] += force.force_mn[a];
+      if ((held.components >> a & 1) != 0) out.u_mm[3 * std::size_t(node) + std::size_t(a)] = u[a];
     }
   }
-  for (const FacePressure& pressure : loads.pressures) add_pressure(pressure, out.force_mn);
+  out.nodes_of.push_back(held.nodes);
+  for (std::size_t e = 0; e < m_shells.edges().size() && held.holds_turns; ++e) {
+    const auto [a, b] = m_shells.edges()[e];
+    if (is_here[std::size_t(a)] == 0 || is_here[std::size_t(b)] == 0) continue;
+    out.held[place_count() + e / 3] |= std::uint8_t(1 << e % 3);
+  }
+}
+
+/// Adds the forces of swellings and of gravity.
+void TetModel::add_volume_forces(const TetLoads& loads, std::vector<double>& force_mn) const {
   if (!loads.swelling_kpa.empty()) {
     if (loads.swelling_kpa.size() != m_volumes.element_count()) {
       throw InputError({"", "swelling", std::to_string(loads.swelling_kpa.size()) + " values",
                         std::to_string(m_volumes.element_count()) + ", one per element"});
     }
-    m_volumes.add_swelling(loads.swelling_kpa, out.force_mn);
+    m_volumes.add_swelling(loads.swelling_kpa, force_mn);
   }
-  if (loads.gravity_mm_s2 != Vec3d(0)) {
-    if (loads.density_kg_m3.size() != m_moduli.size()) {
-      throw InputError({"", "density", std::to_string(loads.density_kg_m3.size()) + " values",
-                        std::to_string(m_moduli.size()) + ", one per material"});
+  if (loads.gravity_mm_s2 == Vec3d(0)) return;
+  if (loads.density_kg_m3.size() != m_moduli.size()) {
+    throw InputError({"", "density", std::to_string(loads.density_kg_m3.size()) + " values",
+                      std::to_string(m_moduli.size()) + ", one per material"});
+  }
+  std::vector<Vec3d> weights;
+  for (const double density : loads.density_kg_m3) {
+    weights.push_back(loads.gravity_mm_s2 * (density * kM3PerMm3));
+  }
+  m_volumes.add_body_force(weights, force_mn);
+}
+
+NodalLoads TetModel::nodal_loads(const TetLoads& loads) const {
+  const std::size_t unknowns = 3 * std::size_t(node_count());
+  NodalLoads out;
+  out.held.assign(std::size_t(node_count()), 0);
+  out.u_mm.assign(unknowns, 0);
+  out.force_mn.assign(unknowns, 0);
+  for (const TetHeld& held : loads.held) hold(held, out);
+  // Components of the last node that are no edge's turn.
+  for (std::size_t e = m_shells.edges().size(); e < 3 * m_shells.turn_node_count(); ++e) {
+    out.held[place_count() + e / 3] |= std::uint8_t(1 << e % 3);
+  }
+  for (const TetForce& force : loads.forces) {
+    require_place(force.node, "forces");
+    for (int a = 0; a < 3; ++a) {
+      out.force_mn[3 * std::size_t(force.node) + std::size_t(a)] += force.force_mn[a];
     }
-    std::vector<Vec3d> weights;
-    for (const double density : loads.density_kg_m3) {
-      weights.push_back(loads.gravity_mm_s2 * (density * kM3PerMm3));
+  }
+  for (const FacePressure& pressure : loads.pressures) add_pressure(pressure, out.force_mn);
+  add_volume_forces(loads, out.force_mn);
+  for (const auto* values : {&out.force_mn, &out.u_mm}) {
+    for (const double value : *values) {
+      if (std::isfinite(value)) continue;
+      throw InputError({"", "loads", number_text(value), "finite forces and displacements"});
     }
-    m_volumes.add_body_force(weights, out.force_mn);
   }
   return out;
 }

@@ -355,7 +355,10 @@ double TetVolumes::displaced_volume_mm3(const std::vector<double>& u_mm) const {
 std::size_t TetVolumes::bytes() const {
   return m_positions.capacity() * sizeof(Vec3d) + m_shapes.capacity() * sizeof(TetShape) +
          m_material_of.capacity() * sizeof(std::int32_t) + m_elements.bytes() + m_patches.bytes() +
-         m_patch.gradients.capacity() * sizeof(Vec3d) + m_middles.capacity() * 12;
+         m_patch.gradients.capacity() * sizeof(Vec3d) + m_patch.of_element.capacity() * 16 +
+         m_patch.volume_mm3.capacity() * sizeof(double) +
+         m_patch.begin.capacity() * sizeof(std::size_t) +
+         m_patch.material_of.capacity() * sizeof(std::int32_t) + m_middles.capacity() * 12;
 }
 
 }  // namespace supple

@@ -28,7 +28,7 @@ namespace supple {
 
 enum class TetElement { linear, nodal_pressure, quadratic };
 
-/// What an element resists with: moduli in kPa, and inertia in mN/mm^4 as ModuliTable has it.
+/// Moduli of an element in kPa, and inertia in mN/mm^4 as ModuliTable has it.
 struct TetModuli {
   double shear_kpa = 0, bulk_kpa = 0, inertia = 0;
   double lambda_kpa() const { return bulk_kpa - 2 * shear_kpa / 3; }
@@ -45,7 +45,7 @@ class TetVolumes {
   const std::vector<Vec3d>& positions() const { return m_positions; }
   /// Nodes per element: four corners, then the middles of edges 01, 02, 03, 12, 13, 23.
   const NodeSets& elements() const { return m_elements; }
-  /// What is coupled beyond that: nodes around a node. Empty but for nodal_pressure.
+  /// Sets of nodes that are coupled beyond that, around each node. Empty but for nodal_pressure.
   const NodeSets& patches() const { return m_patches; }
   /// The node in the middle of an edge; -1 where there is none.
   NodeIndex middle_of(NodeIndex a, NodeIndex b) const;

@@ -36,8 +36,8 @@ LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& materia
                              StrainTheory theory = StrainTheory::linear,
                              const MotionLimits& limits = {});
 
-/// What the volumes of all elements grew by; in linear theory by the sum of their volume strains,
-/// which is what passes through the surface at rest.
+/// The growth of all elements' volumes; in linear theory the sum of their volume strains, which is
+/// the volume that passes through the surface at rest.
 double volume_change_mm3(const HexMesh& voxels, const VoxelMaterial& material,
                          const std::vector<double>& u_mm,
                          StrainTheory theory = StrainTheory::linear);

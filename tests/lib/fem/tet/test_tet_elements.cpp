@@ -292,3 +292,14 @@ TEST(FaultTetElements, MeshesAndLoadsThatCannotBeUsedAreRefused) {
   refuses(mesh, "faces: found z+, expected x-, x+, y-, y+, z-, surface");
   refuses(good, "1 pieces of 6 elements that nothing holds");
 }
+
+TEST(FaultTetElements, LoadsThatAreNoNumbersAreRefused) {
+  const TetModel model(tet_block(Vec3i(1), Vec3d(1)), TetElement::linear);
+  TetLoads loads;
+  loads.held.push_back({model.nodes_of_faces("z-")});
+  loads.forces.push_back({7, Vec3d(std::nan(""), 0, 0)});
+  EXPECT_THROW(model.solve(loads), InputError);
+  loads.forces.clear();
+  loads.held.front().displacement_mm = {Vec3d(0, 0, INFINITY)};
+  EXPECT_THROW(model.solve(loads), InputError);
+}
