@@ -24,7 +24,14 @@ std::int32_t most_frequent(const LabelVotes& counts, std::int32_t preferred = 0)
   return label;
 }
 
-/// Calls visit(place) for places that share an element evenly, its middle first.
+/// The mean of an element's corners.
+Vec3d middle_of(const SolidMesh& mesh, std::size_t element, const std::vector<Vec3d>& places) {
+  Vec3d sum(0);
+  for_each_corner(mesh, element, [&](std::size_t node) { sum += places[node]; });
+  return sum / (element < mesh.tets.size() ? 4 : 8);
+}
+
+/// Calls visit(place) for places that share an element evenly.
 template <class Visit>
 void for_each_place(const SolidMesh& mesh, std::size_t element, const std::vector<Vec3d>& places,
                     const Visit& visit) {
@@ -35,8 +42,7 @@ void for_each_place(const SolidMesh& mesh, std::size_t element, const std::vecto
     return places[std::size_t(node)];
   };
   const std::size_t corners = is_tet ? 4 : 8;
-  Vec3d middle(0);
-  for (std::size_t c = 0; c < corners; ++c) middle += corner(c) / double(corners);
+  const Vec3d middle = middle_of(mesh, element, places);
   visit(middle);
   for (std::size_t c = 0; c < corners; ++c) {
     visit((middle + corner(c)) / 2);  // weights 5, 1, 1, 1 of 8
@@ -69,21 +75,20 @@ void give_regions(SolidMesh& mesh, const VoxelMask& mask, const VoxelLabel& labe
   parallel_for(mesh.element_count(), Grain{256}, [&](std::size_t e) {
     LabelVotes votes;
     std::int64_t count = 0;
-    std::int32_t in_middle = 0;
     const auto add = [&](const Vec3i& voxel) {
       if (!mask.holds(voxel)) return;
-      const std::int32_t label = label_of(voxel);
-      if (in_middle == 0) in_middle = label;
-      ++votes[label];
+      ++votes[label_of(voxel)];
       ++count;
     };
     for_each_voxel(mesh, e, places, add);
     if (count < kFewVoxels) {
       votes.clear();
-      in_middle = 0;
       for_each_place(mesh, e, places, [&](const Vec3d& place) { add(nearest_voxel(place)); });
     }
-    if (!votes.empty()) mesh.region_of[e] = most_frequent(votes, in_middle);
+    if (votes.empty()) return;
+    const Vec3i middle = nearest_voxel(middle_of(mesh, e, places));
+    const std::int32_t in_middle = mask.holds(middle) ? label_of(middle) : 0;
+    mesh.region_of[e] = most_frequent(votes, in_middle);
   });
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "volumes/geometry/geometry.h"
+#include "volumes/grid/voxel_sets.h"
 #include "volumes/io/solid/solid_mesh.h"
 
 namespace supple {
@@ -20,6 +21,7 @@ class IndexTet {
       if (normal.dot(corners[f] - a) < 0) normal = -normal;
       m_normals[f] = normal;
       m_depths[f] = normal.dot(a);
+      m_small[f] = 1e-9 * normal.length();
       for (int x = 0; x < 3; ++x) {
         m_lo[x] = std::min(m_lo[x], corners[f][x]);
         m_hi[x] = std::max(m_hi[x], corners[f][x]);
@@ -36,9 +38,13 @@ class IndexTet {
         for (std::size_t f = 0; f < 4; ++f) {
           const double rest = m_depths[f] - m_normals[f].y * j - m_normals[f].z * k;
           const double along = m_normals[f].x;
-          if (along > 0) from = std::max(from, rest / along);
-          if (along < 0) to = std::min(to, rest / along);
-          if (along == 0 && rest > 0) to = from - 1;
+          if (along > m_small[f]) {
+            from = std::max(from, rest / along);
+          } else if (along < -m_small[f]) {
+            to = std::min(to, rest / along);
+          } else if (rest > m_small[f]) {
+            to = from - 1;
+          }
         }
         if (from > to + 2e-9) continue;
         for (int i = int(std::ceil(from - 1e-9)); i <= int(std::floor(to + 1e-9)); ++i) {
@@ -51,6 +57,7 @@ class IndexTet {
  private:
   std::array<Vec3d, 4> m_normals;  // inwards
   std::array<double, 4> m_depths{};
+  std::array<double, 4> m_small{};  // for a face parallel to x, and for centres on it
   Vec3d m_lo, m_hi;
 };
 
@@ -62,24 +69,27 @@ inline std::vector<Vec3d> index_places(const SolidMesh& mesh, const Geometry& ge
   return places;
 }
 
-/// Calls visit(voxel) for the centres in an element; a hexahedron is six tetrahedra. `places` are
-/// those of index_places().
+/// Calls visit(voxel) once for each centre in an element; a hexahedron is six tetrahedra. `places`
+/// are those of index_places().
 template <class Visit>
 void for_each_voxel(const SolidMesh& mesh, std::size_t element, const std::vector<Vec3d>& places,
                     const Visit& visit) {
-  const auto visit_tet = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-    IndexTet({places[std::size_t(a)], places[std::size_t(b)], places[std::size_t(c)],
-              places[std::size_t(d)]})
-        .for_each_voxel(visit);
+  const auto tet_of = [&](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
+    return IndexTet({places[std::size_t(a)], places[std::size_t(b)], places[std::size_t(c)],
+                     places[std::size_t(d)]});
   };
   if (element < mesh.tets.size()) {
     const auto& t = mesh.tets[element];
-    return visit_tet(t[0], t[1], t[2], t[3]);
+    return tet_of(t[0], t[1], t[2], t[3]).for_each_voxel(visit);
   }
   const auto& h = mesh.hexes[element - mesh.tets.size()];
+  std::vector<Vec3i> voxels;
   for (const auto& [b, c] : {std::pair(1, 2), {2, 3}, {3, 7}, {7, 4}, {4, 5}, {5, 1}}) {
-    visit_tet(h[0], h[std::size_t(b)], h[std::size_t(c)], h[6]);
+    tet_of(h[0], h[std::size_t(b)], h[std::size_t(c)], h[6])
+        .for_each_voxel([&](const Vec3i& voxel) { voxels.push_back(voxel); });
   }
+  sort_unique(voxels);  // centres on faces between the six come several times
+  for (const Vec3i& voxel : voxels) visit(voxel);
 }
 
 /// Calls visit(node) for the corners of an element.

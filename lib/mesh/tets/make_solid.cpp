@@ -10,8 +10,11 @@ namespace supple {
 
 namespace {
 
+/// The lattice's tetrahedra per cube: four at each of six faces, which two cubes share: 24 / 2.
 constexpr int kTetsPerCube = 12;
+/// The part of the voxels' volume by which that of the mesh may differ.
 constexpr double kVolumeTolerance = 5e-4;
+/// The limit of meshes that are made on the way to that volume.
 constexpr int kMostPasses = 4;
 
 double total_volume_mm3(const SolidMesh& mesh) {

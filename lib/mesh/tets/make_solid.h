@@ -1,5 +1,5 @@
 // A solid mesh from voxels, in one call: distance, lattice, stuffing, regions and faces.
-// Cost: that of these, two to four times that of stuffing where the volume is kept.
+// Cost: that of these, at most four times that of stuffing where the volume is kept.
 #pragma once
 
 #include <optional>

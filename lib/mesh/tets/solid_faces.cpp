@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 #include "volumes/base/parallel.h"
+#include "volumes/io/bytes/text_header.h"
+#include "volumes/io/solid/solid_formats.h"
 
 namespace supple {
 
@@ -65,9 +68,19 @@ void for_each_face(const std::vector<ElementFace>& faces, const Visit& visit) {
   }
 }
 
-std::string name_of(std::int32_t region, const std::map<std::int32_t, std::string>& names) {
-  const auto name = names.find(region);
-  return name != names.end() ? name->second : "region_" + std::to_string(region);
+using RegionNames = std::map<std::int32_t, std::string>;
+
+/// A name for each of the regions, ascending, which differ as words of a file, too.
+RegionNames unique_names(const std::set<std::int32_t>& regions, const RegionNames& names) {
+  RegionNames unique;
+  std::set<std::string> words;
+  for (const std::int32_t region : regions) {
+    const auto given = names.find(region);
+    std::string name = given != names.end() ? given->second : region_name(region);
+    while (!words.insert(lower_case(word_of(name))).second) name += "_" + std::to_string(region);
+    unique[region] = name;
+  }
+  return unique;
 }
 
 }  // namespace
@@ -87,10 +100,16 @@ std::vector<FaceSet> faces_of_regions(const SolidMesh& mesh,
     set.triangles.push_back({seen[0], seen[1], seen[2]});
     if (seen[3] >= 0) set.triangles.push_back({seen[0], seen[2], seen[3]});
   });
+  std::set<std::int32_t> regions_of_sets;
+  for (const auto& [regions, set] : sets) {
+    regions_of_sets.insert(regions.first);
+    if (regions.second != 0) regions_of_sets.insert(regions.second);
+  }
+  const RegionNames unique = unique_names(regions_of_sets, names);
   std::vector<FaceSet> faces;
   for (auto& [regions, set] : sets) {
-    set.name = name_of(regions.first, names);
-    if (regions.second != 0) set.name += " to " + name_of(regions.second, names);
+    set.name = unique.at(regions.first);
+    if (regions.second != 0) set.name += " to " + unique.at(regions.second);
     faces.push_back(std::move(set));
   }
   return faces;

@@ -11,7 +11,8 @@ namespace supple {
 /// Faces between elements of one region and what is outside of all (0), or another region. Squares
 /// of hexahedra are two triangles each. Sets come in the order of (region, other), where the other
 /// is 0 or larger; triangles are seen from outside of the first region. `names` of regions make
-/// those of sets: "brain", "brain to skull"; a region without one is "region_N".
+/// those of sets: "brain", "brain to skull"; a region without one is "region_N". Where files would
+/// write two names alike, the second region's ends in its number.
 std::vector<FaceSet> faces_of_regions(const SolidMesh& mesh,
                                       const std::map<std::int32_t, std::string>& names = {});
 

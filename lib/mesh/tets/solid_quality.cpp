@@ -1,5 +1,6 @@
 #include "lib/mesh/tets/solid_quality.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -93,7 +94,7 @@ void add_hex(const std::array<Vec3d, 8>& p, Shapes& shapes) {
 }
 
 double angle_deg(double cosine) {
-  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI;
+  return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegreesPerRadian;
 }
 
 Shapes shapes_of(const SolidMesh& mesh) {

@@ -10,8 +10,8 @@ namespace supple {
 
 struct SolidQuality {
   double least_dihedral_deg = 180, largest_dihedral_deg = 0;  // of tetrahedra; 180, 0: none
-  /// Of tetrahedra the longest edge over 2 sqrt(6) radii of the inner sphere, of hexahedra the
-  /// longest edge over the shortest: 1 at best.
+  /// The longest edge over 2 sqrt(6) radii of the inner sphere in tetrahedra, over the shortest
+  /// edge in hexahedra: 1 at best.
   double mean_aspect = 0, largest_aspect = 0;
   double least_volume_mm3 = 0, mean_volume_mm3 = 0, largest_volume_mm3 = 0;
   double shortest_edge_mm = 0, mean_edge_mm = 0, longest_edge_mm = 0;

@@ -31,10 +31,14 @@ std::vector<int> voxels_of_blocks(const VoxelMask& mask, int block, const Vec3i&
 
 }  // namespace
 
+void require_block(int voxels) {
+  require(voxels >= 1 && voxels <= kLargestBlock && (voxels & (voxels - 1)) == 0, "hex", voxels,
+          "1, 2, 4 … 64 voxels");
+}
+
 SolidMesh make_hexes(const VoxelMask& mask, int block, std::int32_t region,
                      const std::string& name) {
-  require(block >= 1 && block <= kLargestBlock && (block & (block - 1)) == 0, "hex", block,
-          "1, 2, 4 … 64 voxels");
+  require_block(block);
   if (mask.box.empty()) throw InputError({"", "voxels", "none", "one at least"});
   Vec3i blocks;
   for (int a = 0; a < 3; ++a) blocks[a] = (mask.dims()[a] + block - 1) / block;

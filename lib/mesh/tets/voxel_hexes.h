@@ -7,6 +7,9 @@
 
 namespace supple {
 
+/// Throws InputError for a block that is no power of 2 up to 64.
+void require_block(int voxels);
+
 /// Blocks are elements where at least half of their voxels belong to the set. Elements share the
 /// nodes at their corners; the faces are as those of make_tets(). Throws InputError: a block that
 /// is no power of 2 up to 64, or where no block is half full.

@@ -128,6 +128,75 @@ TEST(UnitSolidMeshFile, DecksOfOthersMayNumberAndNameAsTheyLike) {
   EXPECT_EQ(mesh.faces[0].triangles, (std::vector<std::array<std::int32_t, 3>>{{0, 2, 1}}));
 }
 
+TEST(UnitSolidMeshFile, RegionsOfNamesDifferAndElementsOfNoSectionHaveNoMaterial) {
+  const TemporaryFolder folder;
+  const std::string nodes = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n",
+                    tet = ", 1, 2, 3, 4\n";
+  write_text(folder / "sets.inp",
+             nodes + "*ELEMENT, TYPE=C3D4, ELSET=region_1\n1" + tet +
+                 "*ELEMENT, TYPE=C3D4, ELSET=skull\n2" + tet +
+                 "*ELEMENT, TYPE=C3D4, ELSET=region_99999999999\n3" + tet +
+                 "*MATERIAL, NAME=a\n*ELASTIC, TYPE=ORTHO\n1, 2, 3, 4, 5, 6, 7, 8\n"
+                 "*MATERIAL, NAME=b\n*ELASTIC, TYPE=ISO\n5, 0.3\n"
+                 "*SOLID SECTION, ELSET=skull, MATERIAL=b\n");
+  SolidMesh mesh = read_solid_mesh(folder / "sets.inp");
+  EXPECT_EQ(mesh.region_of, (std::vector<std::int32_t>{1, 2, 3}));
+  EXPECT_EQ(mesh.material_of, (std::vector<std::int32_t>{-1, 1, -1}));
+  EXPECT_EQ(mesh.materials.at(0).young_kpa, 0);
+  EXPECT_EQ(mesh.materials.at(1).young_kpa, 5);
+  for (const char* name : {"none.vtu", "none.inp", "none.feb"}) {
+    write_solid_mesh(folder / name, mesh);
+    if (std::string(name) == "none.feb") continue;
+    EXPECT_EQ(read_solid_mesh(folder / name).material_of, mesh.material_of) << name;
+  }
+  EXPECT_EQ(read_text(folder / "none.feb").find("mat=\"\""), std::string::npos);
+}
+
+TEST(FaultSolidMeshFile, DecksAndGridsThatCannotBeAreRefused) {
+  const TemporaryFolder folder;
+  const std::string deck =
+      "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n"
+      "*ELEMENT, TYPE=C3D4, ELSET=all\n1, 1, 2, 3, 4\n*MATERIAL, NAME=m\n*ELASTIC\n1, 0.3\n";
+  const std::string section = "*SOLID SECTION, ELSET=A, MATERIAL=m\n";
+  const std::string generate = "*ELSET, ELSET=A, GENERATE\n";
+  const auto grid = [](const std::string& type, const std::string& region,
+                       const std::string& material) {
+    const auto array = [](const std::string& name, const std::string& values) {
+      return "<DataArray type=\"Float64\" Name=\"" + name + "\" format=\"ascii\">" + values +
+             "</DataArray>";
+    };
+    return "<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" "
+           "NumberOfCells=\"1\"><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+           "format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points><Cells>" +
+           array("connectivity", "0 1 2 3") + array("offsets", "4") + array("types", type) +
+           "</Cells><CellData>" + array("region", region) + array("material", material) +
+           "</CellData></Piece></UnstructuredGrid></VTKFile>";
+  };
+  struct Case {
+    const char* name;
+    std::string text, said;
+  };
+  const Case cases[] = {
+      {"a.inp", deck + generate + "1, 9000000000000000000, 1\n", "at most 100000000 elements"},
+      {"b.inp", deck + generate + "-5, 7\n", "found -5 to 7"},
+      {"c.inp", deck + "*ELSET, ELSET=A\nB\n*ELSET, ELSET=B\n1, A\n" + section, "without circles"},
+      {"d.inp", deck + "*ELEMENT, TYPE=C3D4\n2, 1, 2\n", "the other nodes of an element"},
+      {"e.vtu", grid("1e300", "1", "0"), "types: found 1e+300"},
+      {"f.vtu", grid("10", "nan", "0"), "region: found nan"},
+      {"g.vtu", grid("10", "1.5", "0"), "region: found 1.5"},
+      {"h.vtu", grid("10", "1", "1e9"), "material: found 1"},
+      {"i.vtu", grid("10", "1", "-2"), "material: found -2"},
+  };
+  for (const Case& one : cases) {
+    write_text(folder / one.name, one.text);
+    const std::string error = input_error([&] { read_solid_mesh(folder / one.name); });
+    EXPECT_NE(error.find(one.said), std::string::npos) << one.name << ": " << error;
+  }
+  write_text(folder / "good.vtu", grid("10", "7", "3"));
+  write_solid_mesh(folder / "again.vtu", read_solid_mesh(folder / "good.vtu"));
+  EXPECT_EQ(read_solid_mesh(folder / "again.vtu").materials.size(), 4u);
+}
+
 TEST(FaultSolidMeshFile, DamagedFilesAreToldByLine) {
   const TemporaryFolder folder;
   const auto failure = [&](const std::string& name, const std::string& text) {

@@ -1,6 +1,7 @@
 // supple mesh: elements of the tissue of a volume, or of labels, for programs of finite elements,
 // and how good they are.
 #include <cstdio>
+#include <limits>
 
 #include "lib/material/tissue.h"
 #include "lib/mesh/tets/element_materials.h"
@@ -39,10 +40,12 @@ Fields fields(MeshOptions& options) {
       Field("range", options.range, "Densities that are meshed")
           .shown_as("LO,HI")
           .otherwise("those that the material has, else all above the least"),
-      Field("components", options.components, "So many largest pieces that hang together by faces")
+      Field("components", options.components,
+            "The number of largest pieces that are kept; pieces hang together by faces")
           .at_least(0)
           .otherwise("as the material says, else all"),
-      Field("spacing", options.solid.spacing_mm, "Of the lattice; edges are about as long")
+      Field("spacing", options.solid.spacing_mm,
+            "Edge of the lattice's cubes; edges of elements are about as long")
           .unit("mm")
           .positive(),
       Field("elements", options.solid.elements, "About so many, where no spacing is given")
@@ -53,14 +56,15 @@ Fields fields(MeshOptions& options) {
           .range(0, 10),
       Field("keep_volume", options.solid.keeps_volume,
             "Move the surface as a whole until the volume is that of the voxels"),
-      Field("hex", options.hex, "Hexahedra of blocks of so many voxels along each axis: 1, 2, 4 …")
+      Field("hex", options.hex,
+            "Hexahedra of blocks of so many voxels along each axis: 1, 2, 4 … 64")
           .shown_as("VOXELS"),
       Field("bins", options.bins, "At most so many materials, in steps of equal ratio")
           .range(1, 10000),
   };
 }
 
-/// What is meshed.
+/// The voxels that become elements, with their densities or labels and the material's curves.
 struct Meshed {
   VoxelMask mask;
   DensityGrid density;
@@ -115,22 +119,37 @@ BrickTopology only_labels(const DensityGrid& density, const BrickTopology& voxel
   return {std::move(origins), std::move(masks)};
 }
 
+/// Throws InputError at the first value that is no label, where all labels are meshed.
+void require_labels(const std::string& path, const ElementVolume& loaded) {
+  const auto require_label = [&](double value) {
+    if (value >= 0 && value <= kMaxLabel && is_integer(value)) return;
+    throw InputError({path, "--label all", "the value " + number_text(value),
+                      "integers from 1 to " + std::to_string(kMaxLabel) + ", and 0 where none is"});
+  };
+  require_label(loaded.volume.statistics.min);
+  for (std::size_t b = 0; b < loaded.elements.brick_count(); ++b) {
+    for_each_active(loaded.elements.mask(b), [&](int offset) {
+      require_label(loaded.volume.density.at(loaded.elements.origin(b) + brick_local(offset)));
+    });
+  }
+}
+
 /// The voxels of labels; several become regions.
 BrickTopology read_labelled(const MeshOptions& options, Meshed& meshed, Console& console) {
   const std::vector<std::int32_t> labels = wanted_labels(options);
-  double lo = 1, hi = kMaxLabel;
+  double lo = std::numeric_limits<float>::min(), hi = std::numeric_limits<float>::max();
   if (!labels.empty()) {
     lo = *std::min_element(labels.begin(), labels.end());
     hi = *std::max_element(labels.begin(), labels.end());
+    meshed.region = std::int32_t(lo);
   }
   const auto file = open_volume(options.input, options.read, &console);
-  ElementVolume loaded =
-      load_elements(*file, lo, hi, lo == hi ? options.components : 0, 0, &console);
+  ElementVolume loaded = load_elements(*file, lo, hi, options.components, 0, &console);
+  if (labels.empty()) require_labels(options.input, loaded);
   meshed.density = loaded.volume.density;
   meshed.names.clear();
   for (const auto& [label, name] : label_names(options.input)) meshed.names[label] = name;
   meshed.are_labels = lo != hi;
-  meshed.region = std::int32_t(lo);
   if (labels.size() <= 1) return loaded.elements;
   for (const std::int32_t label : labels) {
     const std::vector<std::int32_t> one = {label};
@@ -156,9 +175,6 @@ BrickTopology read_densities(const MeshOptions& options, const std::optional<Num
 }
 
 Meshed read_meshed(const MeshOptions& options, Console& console) {
-  if (options.range && !options.labels.empty()) {
-    throw UsageError("mesh: found --range and --label, expected one of them");
-  }
   Meshed meshed;
   std::optional<NumberPair> range = options.range;
   int components = options.components;
@@ -172,7 +188,7 @@ Meshed read_meshed(const MeshOptions& options, Console& console) {
                                    ? read_densities(options, range, components, meshed, console)
                                    : read_labelled(options, meshed, console);
   if (voxels.empty()) {
-    throw InputError({options.input, "", "no voxel above the least density", "some tissue"});
+    throw InputError({options.input, "", "no voxel that is to be meshed", "some tissue"});
   }
   meshed.mask = mask_of(open_volume(options.input, options.read)->header().geometry, voxels);
   return meshed;
@@ -233,6 +249,27 @@ void plan_outputs(const MeshOptions& options, const GlobalOptions& global, Conso
   console.claim(plan.files());
 }
 
+/// Throws UsageError for options that exclude each other, InputError for blocks that cannot be.
+void check_options(const CLI::App& app, const MeshOptions& options) {
+  const auto fail = [](const std::string& found, const std::string& expected) {
+    throw UsageError("mesh: found " + found + ", expected " + expected);
+  };
+  if (options.range && !options.labels.empty()) fail("--range and --label", "one of them");
+  const bool are_several =
+      options.labels.size() > 1 || options.labels == std::vector<std::string>{"all"};
+  if (options.components > 0 && are_several) {
+    fail("--components and several labels", "one label with --components");
+  }
+  if (app.count("--bins") > 0 && options.material.empty()) {
+    fail("--bins without --material", "both of them");
+  }
+  if (!options.hex) return;
+  for (const char* option : {"--spacing", "--elements", "--smooth", "--no-keep-volume"}) {
+    if (app.count(option) > 0) fail("--hex and " + std::string(option), "one of them");
+  }
+  require_block(*options.hex);
+}
+
 int run_mesh(const MeshOptions& options, const GlobalOptions& global, Console& console) {
   plan_outputs(options, global, console);
   const Meshed meshed = read_meshed(options, console);
@@ -278,8 +315,8 @@ Command add_mesh(CLI::App& program) {
       ->allow_extra_args(false)
       ->option_text("OUT");
   app->add_option("--label", options->labels,
-                  "What is meshed, of a label volume; several, or all, become regions that share "
-                  "faces; repeatable")
+                  "Label that is meshed, of a label volume; several, or all, become regions that "
+                  "share faces; repeatable")
       ->allow_extra_args(false)
       ->option_text("N|NAME|all");
   app->add_option("--material", options->material,
@@ -289,7 +326,8 @@ Command add_mesh(CLI::App& program) {
   for (const Field& field : fields(options->read)) {
     if (field.name() != "spacing") add_field_options(*app, {field});
   }
-  return {app, [options](const GlobalOptions& global, Console& console) {
+  return {app, [app, options](const GlobalOptions& global, Console& console) {
+            check_options(*app, *options);
             return run_mesh(*options, global, console);
           }};
 }

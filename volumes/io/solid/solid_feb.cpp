@@ -66,9 +66,9 @@ void write_solid_feb(const std::string& path, const SolidMesh& mesh, Progress* p
   for (const SolidGroup& group : groups) {
     for (const bool is_tet : {true, false}) {
       if ((is_tet ? group.tets : group.hexes).empty()) continue;
-      text << "    <SolidDomain name=\"" << part_name(group, is_tet) << "\" mat=\""
-           << (group.material < 0 ? "" : "material_" + std::to_string(group.material + 1))
-           << "\"/>\n";
+      text << "    <SolidDomain name=\"" << part_name(group, is_tet) << "\"";
+      if (group.material >= 0) text << " mat=\"material_" << group.material + 1 << "\"";
+      text << "/>\n";
     }
   }
   text << "  </MeshDomains>\n</febio_spec>\n";

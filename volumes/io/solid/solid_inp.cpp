@@ -61,13 +61,18 @@ class InpWriter {
     }
   }
 
-  /// A set for every region whose elements have several materials.
+  /// A set for every region; elements without a material are in it already, by their own line.
   void write_region_sets() {
-    if (m_mesh.material_of.empty()) return;
-    for (std::size_t g = 0; g < m_groups.size(); ++g) {
-      const bool is_first = g == 0 || m_groups[g - 1].region != m_groups[g].region;
-      if (is_first) m_text << "*ELSET, ELSET=" << region_name(m_groups[g].region) << "\n";
-      m_text << name_of(m_groups[g]) << "\n";
+    std::int32_t last = 0;
+    bool is_first = true;
+    for (const SolidGroup& group : m_groups) {
+      if (group.material < 0) continue;
+      if (is_first || group.region != last) {
+        m_text << "*ELSET, ELSET=" << region_name(group.region) << "\n";
+      }
+      is_first = false;
+      last = group.region;
+      m_text << name_of(group) << "\n";
     }
   }
 

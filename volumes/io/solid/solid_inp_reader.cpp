@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
+#include <set>
 #include <unordered_map>
 
 #include "volumes/base/error.h"
@@ -50,6 +51,21 @@ struct Keyword {
   }
 };
 
+constexpr std::int64_t kMostGenerated = 100'000'000;
+constexpr std::size_t kDeepestSet = 100;
+constexpr std::int32_t kLargestRegion = 1'000'000'000;
+
+/// The number in "REGION_7" and "REGION_7_MATERIAL_2"; 0 in other names.
+std::int32_t region_in(const std::string& set) {
+  if (set.rfind("REGION_", 0) != 0) return 0;
+  std::int32_t region = 0;
+  const auto read = std::from_chars(set.data() + 7, set.data() + set.size(), region);
+  const std::string rest = set.substr(std::size_t(read.ptr - set.data()));
+  const bool is_alone = rest.empty() || rest.rfind("_MATERIAL_", 0) == 0;
+  const bool is_region = read.ec == std::errc() && region > 0 && region <= kLargestRegion;
+  return is_alone && is_region ? region : 0;
+}
+
 class InpReader {
  public:
   InpReader(const std::string& path, SolidMesh& mesh) : m_path(path), m_mesh(mesh) {}
@@ -71,6 +87,13 @@ class InpReader {
     bool is_tet;
     std::array<std::int32_t, 8> nodes;
     std::string set;
+  };
+  struct Range {
+    std::int64_t first, step, count;
+  };
+  struct Set {
+    std::vector<std::string> members;  // numbers of elements, names of sets
+    std::vector<Range> ranges;         // of numbers
   };
   struct Section {
     std::string set, material;
@@ -163,15 +186,26 @@ class InpReader {
   }
 
   void take_set(const std::vector<std::string>& parts) {
-    std::vector<std::string>& set = m_sets[m_keyword.parameter("ELSET")];
+    Set& set = m_sets[m_keyword.parameter("ELSET")];
     if (m_keyword.parameters.count("GENERATE") != 0 && parts.size() >= 2) {
-      const std::int64_t step = parts.size() > 2 ? std::max<std::int64_t>(1, whole(parts[2])) : 1;
-      for (std::int64_t n = whole(parts[0]); n <= whole(parts[1]); n += step) {
-        set.push_back(std::to_string(n));
-      }
+      set.ranges.push_back(range_of(parts));
       return;
     }
-    for (const std::string& part : parts) set.push_back(upper_case(part));
+    for (const std::string& part : parts) set.members.push_back(upper_case(part));
+  }
+
+  /// "first, last, step" of a set that is generated.
+  Range range_of(const std::vector<std::string>& parts) const {
+    const std::int64_t first = whole(parts[0]), last = whole(parts[1]);
+    const std::int64_t step = parts.size() > 2 ? std::max<std::int64_t>(1, whole(parts[2])) : 1;
+    if (first < 0 || last < first) {
+      fail(parts[0] + " to " + parts[1], "numbers from 0 on, ascending");
+    }
+    const std::int64_t steps = (last - first) / step;
+    if (steps >= kMostGenerated) {
+      fail(parts[0] + " to " + parts[1], "at most " + std::to_string(kMostGenerated) + " elements");
+    }
+    return {first, step, steps + 1};
   }
 
   void take_side(const std::vector<std::string>& parts) {
@@ -179,7 +213,10 @@ class InpReader {
     m_surfaces.back().sides.emplace_back(upper_case(parts[0]), parts[1][1] - '1');
   }
 
+  /// Two constants where the type is isotropic, as it is where none is given.
   void take_elasticity(const std::vector<std::string>& parts) {
+    const std::string type = m_keyword.parameter("TYPE");
+    if (!type.empty() && type.rfind("ISO", 0) != 0) return;
     if (m_mesh.materials.empty()) fail("*ELASTIC", "*MATERIAL before it");
     SolidMaterial& material = m_mesh.materials.back();
     if (parts.size() < 2 || material.young_kpa != 0) return;  // others are of temperatures
@@ -189,6 +226,10 @@ class InpReader {
 
   /// Tetrahedra first, each kind by its numbers; regions are the sets that elements were given in.
   void finish() {
+    if (!m_pending.empty()) fail("the end of the file", "the other nodes of an element");
+    for (const Element& element : m_elements) {
+      m_last_region = std::max(m_last_region, region_in(element.set));
+    }
     std::stable_sort(m_elements.begin(), m_elements.end(), [](const Element& a, const Element& b) {
       return a.is_tet != b.is_tet ? a.is_tet : a.number < b.number;
     });
@@ -205,39 +246,60 @@ class InpReader {
     for (const Surface& surface : m_surfaces) take_surface(surface);
   }
 
-  /// "REGION_7" and "REGION_7_MATERIAL_2" are 7; all other names count from 1 on.
+  /// The number in the name; names without one count on from the largest.
   std::int32_t region_of(const std::string& set) {
-    if (set.rfind("REGION_", 0) == 0) {
-      std::int32_t region = 0;
-      const char* begin = set.data() + 7;
-      if (std::from_chars(begin, set.data() + set.size(), region).ptr != begin) return region;
-    }
-    const std::int32_t next = std::int32_t(m_other_regions.size() + 1);
+    const std::int32_t region = region_in(set);
+    if (region > 0) return region;
+    const std::int32_t next = m_last_region + std::int32_t(m_other_regions.size()) + 1;
     return m_other_regions.try_emplace(set, next).first->second;
   }
 
-  /// Elements of a name: a number, or a set of numbers and names.
-  std::vector<std::size_t> elements_of(const std::string& name, int depth = 0) const {
-    if (!name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0) {
-      const auto place = m_places.find(whole(name));
-      return place != m_places.end() ? std::vector<std::size_t>{place->second}
-                                     : std::vector<std::size_t>{};
-    }
+  /// Elements of a name, a number or a set, ascending, each once.
+  std::vector<std::size_t> elements_of(const std::string& name) const {
     std::vector<std::size_t> elements;
-    const auto own = m_in_set.find(name);
-    if (own != m_in_set.end()) elements = own->second;
-    const auto set = m_sets.find(name);
-    if (set == m_sets.end() || depth > 8) return elements;
-    for (const std::string& member : set->second) {
-      const std::vector<std::size_t> more = elements_of(member, depth + 1);
-      elements.insert(elements.end(), more.begin(), more.end());
-    }
+    std::vector<std::string> way;
+    std::set<std::string> done;
+    add_elements(name, elements, way, done);
+    std::sort(elements.begin(), elements.end());
+    elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
     return elements;
   }
 
+  void add_element(std::int64_t number, std::vector<std::size_t>& elements) const {
+    const auto place = m_places.find(number);
+    if (place != m_places.end()) elements.push_back(place->second);
+  }
+
+  /// `way` holds the sets that led here, `done` those that are in the elements already.
+  void add_elements(const std::string& name, std::vector<std::size_t>& elements,
+                    std::vector<std::string>& way, std::set<std::string>& done) const {
+    if (!name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) != 0) {
+      return add_element(whole(name), elements);
+    }
+    if (std::find(way.begin(), way.end(), name) != way.end() || way.size() == kDeepestSet) {
+      fail("*ELSET " + name + " within " + way.back(), "sets without circles");
+    }
+    if (!done.insert(name).second) return;
+    const auto own = m_in_set.find(name);
+    if (own != m_in_set.end()) {
+      elements.insert(elements.end(), own->second.begin(), own->second.end());
+    }
+    const auto set = m_sets.find(name);
+    if (set == m_sets.end()) return;
+    for (const Range& range : set->second.ranges) {
+      for (std::int64_t n = 0; n < range.count; ++n) {
+        add_element(range.first + n * range.step, elements);
+      }
+    }
+    way.push_back(name);
+    for (const std::string& member : set->second.members) add_elements(member, elements, way, done);
+    way.pop_back();
+  }
+
+  /// Elements of no section have no material.
   void take_sections() {
     if (m_sections.empty()) return;
-    m_mesh.material_of.assign(m_mesh.element_count(), 0);
+    m_mesh.material_of.assign(m_mesh.element_count(), -1);
     for (const Section& section : m_sections) {
       const auto material = std::find_if(
           m_mesh.materials.begin(), m_mesh.materials.end(),
@@ -272,11 +334,12 @@ class InpReader {
   std::vector<std::int64_t> m_pending;  // of an element that goes on
   std::unordered_map<std::int64_t, std::int32_t> m_nodes;
   std::vector<Element> m_elements;
-  std::map<std::string, std::vector<std::string>> m_sets;
+  std::map<std::string, Set> m_sets;
   std::vector<Section> m_sections;
   std::vector<Surface> m_surfaces;
   std::unordered_map<std::int64_t, std::size_t> m_places;  // of elements by their number
   std::map<std::string, std::vector<std::size_t>> m_in_set;
+  std::int32_t m_last_region = 0;
   std::map<std::string, std::int32_t> m_other_regions;
 };
 

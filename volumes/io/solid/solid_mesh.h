@@ -33,7 +33,7 @@ struct SolidMesh {
   /// Corners as VTK orders them: four around the bottom, four around the top.
   std::vector<std::array<std::int32_t, 8>> hexes;
   std::vector<std::int32_t> region_of;    // label per element
-  std::vector<std::int32_t> material_of;  // index into materials per element, or empty
+  std::vector<std::int32_t> material_of;  // index into materials per element, -1: none; or empty
   std::vector<SolidMaterial> materials;
   std::vector<FaceSet> faces;
 

@@ -1,5 +1,7 @@
 // VTK's XML unstructured grids (.vtu).
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "volumes/base/error.h"
 #include "volumes/io/solid/solid_formats.h"
@@ -12,6 +14,7 @@ namespace {
 
 constexpr int kVtkTet = 10, kVtkVoxel = 11, kVtkHex = 12, kVtkTet10 = 24, kVtkHex20 = 25,
               kVtkHex27 = 29;
+constexpr int kMostMaterials = 1'000'000;
 
 /// Elements of all pieces of a file.
 class SolidVtuReader {
@@ -35,6 +38,15 @@ class SolidVtuReader {
   [[noreturn]] void fail(const std::string& field, const std::string& found,
                          const std::string& expected) const {
     throw InputError({m_path, field, found, expected});
+  }
+
+  /// A number of an array, whole and from lo to hi.
+  std::int64_t whole(const char* field, double value, std::int64_t lo, std::int64_t hi) const {
+    if (!(value >= double(lo) && value <= double(hi)) || value != std::floor(value)) {
+      fail(field, number_text(value),
+           "a whole number from " + std::to_string(lo) + " to " + std::to_string(hi));
+    }
+    return std::int64_t(value);
   }
 
   /// Numbers of an array by its name; none where the section has no such array.
@@ -67,18 +79,21 @@ class SolidVtuReader {
     }
     const std::vector<double> regions = of_cells(data, "region", ends.size()),
                               materials = of_cells(data, "material", ends.size());
+    const std::vector<double> young = of_cells(data, "young_kpa", ends.size()),
+                              poisson = of_cells(data, "poisson", ends.size());
     m_has_materials |= !materials.empty();
-    take_materials(data, materials);
-    double begin = 0;
+    using Int = std::numeric_limits<std::int32_t>;
+    std::int64_t begin = 0;
     for (std::size_t n = 0; n < ends.size(); ++n) {
-      if (!(ends[n] >= begin && ends[n] <= double(corners.size()))) {
-        fail("offsets", number_text(ends[n]), "ascending ends of cells");
-      }
-      const std::size_t from = std::size_t(begin), count = std::size_t(ends[n]) - from;
-      begin = ends[n];
-      const std::int32_t region = regions.empty() ? 1 : std::int32_t(regions[n]);
-      const std::int32_t material = materials.empty() ? -1 : std::int32_t(materials[n]);
-      add_cell(int(types[n]), corners.data() + from, count, first, region, material);
+      const std::int64_t end = whole("offsets", ends[n], begin, std::int64_t(corners.size()));
+      const std::int64_t region =
+          regions.empty() ? 1 : whole("region", regions[n], Int::min(), Int::max());
+      const std::int64_t material =
+          materials.empty() ? -1 : whole("material", materials[n], -1, kMostMaterials - 1);
+      take_material(material, young.empty() ? 0 : young[n], poisson.empty() ? 0 : poisson[n]);
+      add_cell(whole("types", types[n], 0, 255), corners.data() + begin, std::size_t(end - begin),
+               first, std::int32_t(region), std::int32_t(material));
+      begin = end;
     }
   }
 
@@ -92,23 +107,19 @@ class SolidVtuReader {
     return values;
   }
 
-  /// The stiffness of each material, from the first of its cells.
-  void take_materials(const pugi::xml_node& data, const std::vector<double>& materials) {
-    const std::vector<double> young = of_cells(data, "young_kpa", materials.size()),
-                              poisson = of_cells(data, "poisson", materials.size());
-    for (std::size_t n = 0; n < materials.size(); ++n) {
-      if (!(materials[n] >= 0 && materials[n] < double(materials.size()))) continue;
-      const std::size_t material = std::size_t(materials[n]);
-      while (m_mesh.materials.size() <= material) {
-        m_mesh.materials.push_back({"material_" + std::to_string(m_mesh.materials.size()), 0, 0});
-      }
-      SolidMaterial& made = m_mesh.materials[material];
-      if (made.young_kpa == 0 && !young.empty()) made.young_kpa = young[n];
-      if (made.poisson == 0 && !poisson.empty()) made.poisson = poisson[n];
+  /// The stiffness of a material, from the first of its cells; -1: none.
+  void take_material(std::int64_t material, double young_kpa, double poisson) {
+    if (material < 0) return;
+    std::vector<SolidMaterial>& materials = m_mesh.materials;
+    while (std::int64_t(materials.size()) <= material) {
+      materials.push_back({"material_" + std::to_string(materials.size() + 1), 0, 0});
     }
+    SolidMaterial& made = materials[std::size_t(material)];
+    if (made.young_kpa == 0) made.young_kpa = young_kpa;
+    if (made.poisson == 0) made.poisson = poisson;
   }
 
-  void add_cell(int type, const double* corners, std::size_t count, std::size_t first,
+  void add_cell(std::int64_t type, const double* corners, std::size_t count, std::size_t first,
                 std::int32_t region, std::int32_t material) {
     const bool is_tet = type == kVtkTet || type == kVtkTet10;
     const bool is_hex =
@@ -118,13 +129,9 @@ class SolidVtuReader {
       fail("offsets", std::to_string(count) + " corners of a cell of type " + std::to_string(type),
            is_tet ? "4 and more" : "8 and more");
     }
-    const std::size_t points = m_mesh.nodes_lps_mm.size() - first;
+    const std::int64_t points = std::int64_t(m_mesh.nodes_lps_mm.size() - first);
     const auto node = [&](std::size_t c) {
-      if (!(corners[c] >= 0 && corners[c] < double(points))) {
-        fail("connectivity", number_text(corners[c]),
-             "a point from 0 to " + std::to_string(points - 1));
-      }
-      return std::int32_t(first + std::size_t(corners[c]));
+      return std::int32_t(first) + std::int32_t(whole("connectivity", corners[c], 0, points - 1));
     };
     if (is_tet) {
       m_mesh.tets.push_back({node(0), node(1), node(2), node(3)});
@@ -169,10 +176,12 @@ void write_solid_vtu(const std::string& path, const SolidMesh& mesh, Progress* p
   if (!mesh.region_of.empty()) writer.write("region", 1, mesh.region_of);
   if (!mesh.material_of.empty()) {
     writer.write("material", 1, mesh.material_of);
+    const SolidMaterial none;
     std::vector<float> young, poisson;
     for (const std::int32_t material : mesh.material_of) {
-      young.push_back(float(mesh.materials[std::size_t(material)].young_kpa));
-      poisson.push_back(float(mesh.materials[std::size_t(material)].poisson));
+      const SolidMaterial& own = material < 0 ? none : mesh.materials[std::size_t(material)];
+      young.push_back(float(own.young_kpa));
+      poisson.push_back(float(own.poisson));
     }
     writer.write("young_kpa", 1, young);
     writer.write("poisson", 1, poisson);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/mesh/tets/element_materials.h"
+#include "lib/mesh/tets/element_voxels.h"
 #include "lib/mesh/tets/make_solid.h"
 #include "lib/mesh/tets/solid_faces.h"
 #include "lib/mesh/tets/solid_quality.h"
@@ -101,6 +102,35 @@ TEST(PropertyElementMaterials, ElementsHaveTheMeanOfTheirVoxelsInStepsOfEqualRat
   EXPECT_NEAR(mesh.materials[1].poisson, 0.375, 1e-6);
 }
 
+TEST(UnitElementVoxels, ABlockCountsEachOfItsVoxelsOnce) {
+  const Vec3i dims(2, 2, 2);
+  const BrickTopology bricks = box_topology(dims);
+  const auto value = [](const Vec3i& v) {
+    const int n = 1 + v.x + 2 * v.y + 4 * v.z;
+    return float(n * n);
+  };
+  const DensityGrid density = fill_density_grid(
+      bricks,
+      [&](std::size_t b, float* out) {
+        for (int n = 0; n < kBrickVoxels; ++n) out[n] = value(bricks.origin(b) + brick_local(n));
+      },
+      0);
+  const Geometry geometry(dims, Vec3d(0), {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
+  const VoxelMask mask = mask_of(geometry, bricks);
+  SolidMesh mesh = make_hexes(mask, 2);
+  ASSERT_EQ(mesh.hexes.size(), 1u);
+  give_materials(mesh, mask, density, {{Curve{{{0, 0}, {100, 100}}}, Curve{{{0, 0.3}}}}, {}}, {},
+                 1);
+  EXPECT_NEAR(mesh.materials.at(0).young_kpa, 204.0 / 8, 1e-9);  // of the squares of 1 to 8
+}
+
+TEST(UnitElementVoxels, CentresOnAFaceAlmostParallelToRowsAreWithin) {
+  const IndexTet tet({Vec3d(0, 0, 1), {4, 0, 1 + 4e-16}, {0, 4, 1}, {0, 0, 3}});
+  int on_face = 0;
+  tet.for_each_voxel([&](const Vec3i& voxel) { on_face += voxel.z == 1 ? 1 : 0; });
+  EXPECT_EQ(on_face, 15);  // 5 + 4 + 3 + 2 + 1
+}
+
 TEST(UnitElementMaterials, LabelsHaveTablesOfTheirOwnAndATableNeedsStiffness) {
   MaterialTable table;
   EXPECT_NE(input_error([&] { elastic_curves(table); }).find("without stiffness"),
@@ -117,6 +147,16 @@ TEST(UnitElementMaterials, LabelsHaveTablesOfTheirOwnAndATableNeedsStiffness) {
       mesh, mask, two_halves(), elastic, [](const Vec3i& voxel) { return voxel.y < 8 ? 7 : 1; }, 8);
   ASSERT_EQ(mesh.materials.size(), 2u);
   EXPECT_EQ(mesh.materials[1].young_kpa, 70);
+}
+
+TEST(UnitSolidFaces, NamesOfRegionsThatFilesWouldWriteAlikeEndInTheirNumber) {
+  SolidMesh mesh = make_hexes(mask_of(block_geometry(false), box_topology(kBlockDims)), 8);
+  for (std::size_t e = 0; e < mesh.hexes.size(); ++e) mesh.region_of[e] = 1 + std::int32_t(e % 2);
+  std::vector<std::string> names;
+  for (const FaceSet& faces : faces_of_regions(mesh, {{1, "a b"}, {2, "A-b"}})) {
+    names.push_back(faces.name);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"a b", "a b to A-b_2", "A-b_2"}));
 }
 
 TEST(PropertyElementRegions, RegionsShareFacesCloseAndHaveTheirVoxelsVolumes) {

@@ -119,7 +119,28 @@ TEST_F(FaultMesh, BadChoicesAreToldInOneLine) {
   expect({"--spacing", "-2", "-o", at("a.vtu")}, 3, "--spacing: found -2");
   expect({"--range", "1,2", "--label", "3", "-o", at("a.vtu")}, 2, "found --range and --label");
   expect({"--label", "brain", "-o", at("a.vtu")}, 3, "--label: found brain");
+  expect({"--label", "all", "--components", "1", "-o", at("a.vtu")}, 2, "several labels");
+  expect({"--hex", "2", "--smooth", "0", "-o", at("a.vtu")}, 2, "found --hex and --smooth");
+  expect({"--hex", "3", "-o", at("a.vtu")}, 3, "expected 1, 2, 4 … 64 voxels");
+  expect({"--bins", "4", "-o", at("a.vtu")}, 2, "found --bins without --material");
   expect({"--range", "5000,6000", "-o", at("a.vtu")}, 3, "ball.nhdr");
+}
+
+TEST_F(FaultMesh, AllLabelsOfAVolumeOfDensitiesAreRefused) {
+  for (const auto& [value, told] : {std::pair(2.5F, "2.5"), {-3.0F, "-3"}, {70000.0F, "70000"}}) {
+    const float values[8] = {0, 1, 2, 2, value, 2, 2, 2};
+    write_text(at("d.raw"), std::string(reinterpret_cast<const char*>(values), sizeof values));
+    write_text(at("d.nhdr"),
+               "NRRD0004\ntype: float\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nendian: little\n"
+               "space: left-posterior-superior\nspace directions: (1,0,0) (0,1,0) (0,0,1)\n"
+               "space origin: (0,0,0)\ndata file: d.raw\n");
+    const Outcome outcome =
+        run_supple({"mesh", at("d.nhdr"), "--label", "all", "--hex", "1", "-o", at("d.vtu")});
+    EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+    EXPECT_NE(outcome.err.find("--label all: found the value " + std::string(told)),
+              std::string::npos)
+        << outcome.err;
+  }
 }
 
 }  // namespace supple::test
