@@ -30,7 +30,7 @@ std::string colour_text(const Rgb& rgb);
 /// Reads a colour; none for text other than "#RRGGBB".
 std::optional<Rgb> parse_colour(const std::string& text);
 
-/// What is said of a setting, beside its value and the values that are allowed.
+/// Traits of a setting, beside its value and the values that are allowed.
 struct FieldTraits {
   std::string name, help, unit{};
   std::string record{};       // its name in records, which say the unit; empty: its name

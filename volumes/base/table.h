@@ -104,7 +104,7 @@ class Table {
   struct File {
     std::string path;
     std::map<std::string, std::string> options;
-    /// Of path() and paths() so far: by key and text the absolute path.
+    /// The answers of path() and paths() so far: by key and text the absolute path.
     std::map<std::pair<std::string, std::string>, std::string> inputs;
     Admits admits;
     std::shared_ptr<std::vector<std::string>> warnings =

@@ -46,9 +46,9 @@ inline void add_stiffness(double lambda, double mu, const Vec3d& g, const Vec3d&
   const double along = mu * g.dot(h);
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) {
-      block[std::size_t(3 * i + j)] += lambda * (g[i] * h[j]) + mu * (g[j] * h[i]);
+      block[3 * std::size_t(i) + std::size_t(j)] += lambda * (g[i] * h[j]) + mu * (g[j] * h[i]);
     }
-    block[std::size_t(4 * i)] += along;
+    block[4 * std::size_t(i)] += along;
   }
 }
 

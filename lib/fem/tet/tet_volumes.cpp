@@ -188,7 +188,8 @@ void TetVolumes::add_patches(BlockCsr& matrix, const std::vector<TetModuli>& of_
     for (std::size_t b = 0; b < m_patches.count(p); ++b) {
       for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
-          blocks[b][std::size_t(3 * i + j)] = weight * (gradients[a][i] * gradients[b][j]);
+          blocks[b][3 * std::size_t(i) + std::size_t(j)] =
+              weight * (gradients[a][i] * gradients[b][j]);
         }
       }
     }
@@ -238,7 +239,8 @@ Matrix9 TetVolumes::gradient_at(std::size_t element, const Bary& at,
   for (std::size_t n = 0; n < m_elements.count(element); ++n) {
     const double* u = &u_mm[3 * std::size_t(m_elements.nodes(element)[n])];
     for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) out[std::size_t(3 * i + j)] += u[i] * gradients[n][j];
+      for (int j = 0; j < 3; ++j)
+        out[3 * std::size_t(i) + std::size_t(j)] += u[i] * gradients[n][j];
     }
   }
   return out;

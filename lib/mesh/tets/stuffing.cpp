@@ -87,7 +87,7 @@ Stuffing::Stuffing(const MaskDistance& distance, const BccLattice& lattice)
     for (int a = 0; a < 3; ++a) offset += step[a] > 0 ? lattice.stride(a) : 0;
     if (edge >= kLongEdges) offset -= per_kind;
   }
-  const Vec3i cubes = lattice.cubes();
+  const Vec3i& cubes = lattice.cubes();
   for (int odd = 0; odd < 2; ++odd) {
     for (int k = 0; k + odd <= cubes.z; ++k) {
       for (int j = 0; j + odd <= cubes.y; ++j) {
@@ -167,7 +167,7 @@ void Stuffing::for_each_edge(std::int64_t vertex, const Visit& visit) const {
     const unsigned bits = m_cut_edges[std::size_t(owner)];
     if ((bits >> edge & 1U) == 0) return;
     const int before = __builtin_popcount(bits & ((1U << edge) - 1));
-    visit(std::size_t(m_first_cut[std::size_t(owner)] + before), owner == vertex);
+    visit(std::size_t(m_first_cut[std::size_t(owner)]) + std::size_t(before), owner == vertex);
   };
   for (int edge = 0; edge < (is_centre ? kOwnedEdges : kLongEdges); ++edge) {
     visit_owned(vertex, edge);

@@ -1,4 +1,4 @@
-// What `supple mesh` says about a mesh, as values and for people.
+// The report of `supple mesh` about a mesh, as values and for people.
 #pragma once
 
 #include <cstdint>

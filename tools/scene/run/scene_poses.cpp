@@ -129,7 +129,7 @@ const InversionCertificate* ScenePoses::certificate() const {
   return m_has_inverted ? &m_deformed.offsets.certificate : nullptr;
 }
 
-/// Of the state all stays but where its elements are.
+/// Forgets the poses; all else of the state stays.
 void ScenePoses::forget() {
   take_deformed();
   m_seen.reset();

@@ -74,7 +74,7 @@ double volume_of(const std::array<Vec3d, 4>& x) {
          12;
 }
 
-/// What the surface of the tissue encloses more than at rest, mm3: of the displacement itself, and
+/// The volume that the tissue's surface encloses more than at rest, mm3: by the displacement, and
 /// of its slope at rest. No element inside counts.
 struct Enclosed {
   double change = 0, slope = 0;
@@ -163,7 +163,7 @@ TEST(PropertyFemSwelling, WhatComesOutOfAnOpeningIsWhatTheTissueGrewBy) {
     EXPECT_NEAR(linear.report.volume_change_ml, out_ml, 1e-5 * out_ml);
     // The swelling works on what grew: kPa times ml are mJ.
     EXPECT_NEAR(2 * linear.report.energy_mj, kSwellingKpa * out_ml, 1e-5 * kSwellingKpa * out_ml);
-    // What is left of the pressure: that of the thesis.
+    // The pressure that is left: that of the thesis.
     EXPECT_NEAR(mean_pressure(model, linear, StrainTheory::linear, body),
                 kSwellingKpa - kBulkKpa * out_ml / rest_ml, 1e-5);
 
