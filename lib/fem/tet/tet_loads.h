@@ -33,7 +33,7 @@ struct TetLoads {
   std::vector<FacePressure> pressures;
   /// Pressure inside each element, kPa: free of load it swells by dV/V = p / K. Empty: none.
   std::vector<double> swelling_kpa;
-  Vec3d gravity_mm_s2{0, 0, 0};       // LPS
+  Vec3d gravity_m_s2{0, 0, 0};        // LPS
   std::vector<double> density_kg_m3;  // per material of the mesh, for gravity
 };
 

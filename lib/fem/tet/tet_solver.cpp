@@ -67,14 +67,14 @@ void TetModel::add_volume_forces(const TetLoads& loads, std::vector<double>& for
     }
     m_volumes.add_swelling(loads.swelling_kpa, force_mn);
   }
-  if (loads.gravity_mm_s2 == Vec3d(0)) return;
+  if (loads.gravity_m_s2 == Vec3d(0)) return;
   if (loads.density_kg_m3.size() != m_moduli.size()) {
     throw InputError({"", "density", std::to_string(loads.density_kg_m3.size()) + " values",
                       std::to_string(m_moduli.size()) + ", one per material"});
   }
   std::vector<Vec3d> weights;
   for (const double density : loads.density_kg_m3) {
-    weights.push_back(loads.gravity_mm_s2 * (density * kM3PerMm3));
+    weights.push_back(loads.gravity_m_s2 * (density * kMmPerM * kM3PerMm3));
   }
   m_volumes.add_body_force(weights, force_mn);
 }

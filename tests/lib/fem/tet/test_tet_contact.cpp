@@ -72,7 +72,7 @@ TEST(PropertyTetContact, NothingEntersTheSkullUnderRandomLoadsAndForcesBalance) 
     for (const auto& tet : mesh.tets) {
       loads.swelling_kpa.push_back(mean + slope.dot(mesh.nodes_lps_mm[std::size_t(tet[0])]));
     }
-    loads.gravity_mm_s2 = Vec3d(pick(random, -1500, 1500), pick(random, -1500, 1500), 0);
+    loads.gravity_m_s2 = Vec3d(pick(random, -1.5, 1.5), pick(random, -1.5, 1.5), 0);
     loads.density_kg_m3 = {1040};
     const NodeIndex pulled = NodeIndex(random() % model.place_count());
     loads.forces.push_back({pulled, Vec3d(pick(random, -100, 100), pick(random, -100, 100), 50)});

@@ -190,7 +190,7 @@ TEST(UnitTetElements, AColumnHangsUnderItsOwnWeight) {
     loads.held.push_back(held_where(model, [](const Vec3d& x) { return x.z == 80; }));
     loads.held.push_back(held_where(model, [](const Vec3d&) { return true; }));
     loads.held.back().components = 3;
-    loads.gravity_mm_s2 = Vec3d(0, 0, -9810);
+    loads.gravity_m_s2 = Vec3d(0, 0, -9.81);
     loads.density_kg_m3 = {1000};
     const TetSolution solution = model.solve(loads, exact_params());
     const auto hung = [](const Vec3d& x) {
@@ -211,7 +211,7 @@ TEST(UnitTetElements, LoadsOnFacesAndInBodiesAddUpAndBalanceReactions) {
     held.nodes = model.nodes_of_faces("z-");
     loads.held.push_back(held);
     loads.pressures.push_back({"z+", 2});
-    loads.gravity_mm_s2 = Vec3d(0, 9810, 0);
+    loads.gravity_m_s2 = Vec3d(0, 9.81, 0);
     loads.density_kg_m3 = {1040};
     loads.forces.push_back({model.nodes_of_faces("z+").front(), Vec3d(5, 0, 0)});
     const TetSolution solution = model.solve(loads);

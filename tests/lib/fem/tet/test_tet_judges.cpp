@@ -42,7 +42,7 @@ struct JudgedBlock {
     loads.held.back().displacement_mm = {Vec3d(1, -2, 0.5)};
     loads.held.back().components = 5;
     loads.pressures.push_back({"z+", 0.3});
-    loads.gravity_mm_s2 = Vec3d(0, 0, -9810);
+    loads.gravity_m_s2 = Vec3d(0, 0, -9.81);
     loads.density_kg_m3 = {1040, 1100};
   }
 
