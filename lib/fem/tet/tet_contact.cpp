@@ -18,6 +18,10 @@ namespace {
 constexpr int kEagerRounds = 6;
 /// Cosine of the angle to which the shell counts as turning along a slide.
 constexpr double kLeastSlope = 0.2;
+/// The smallest part of the way to new bounds that is gone at once.
+constexpr double kLeastPart = 1.0 / 16;
+/// Nodes that are so far beyond the shell do not come back.
+constexpr double kLostMm = 1000;
 /// Nodes that are so little beyond their bound are on it.
 constexpr double kRoundingMm = 1e-7;
 
@@ -100,6 +104,7 @@ class ShellRounds {
   std::vector<double> m_u, m_r;        // f - K u
   FemReport m_report;
   double m_deepest_mm = 0;
+  double m_off_mm = 1e300, m_part = 1;  // of the way to new bounds: less where nodes come away
   int m_rounds = 0;
 };
 
@@ -191,9 +196,14 @@ bool ShellRounds::move_bounds() {
     m_deepest_mm = std::max(m_deepest_mm, beyond_mm);
     if (bound.presses) most_off_mm = std::max(most_off_mm, std::abs(beyond_mm));
     const double slope = std::max(kLeastSlope, bound.normal.dot(bound.place.normal));
-    bound.limit_mm = bound.normal.dot(u) - beyond_mm / slope;
+    const double limit_mm = bound.normal.dot(u) - beyond_mm / slope;
+    bound.limit_mm += m_part * (limit_mm - bound.limit_mm);
   }
-  return std::max(m_deepest_mm, most_off_mm) > m_shell.tolerance_mm;
+  const double off_mm = std::max(m_deepest_mm, most_off_mm);
+  if (m_shell.has_planes || off_mm <= m_shell.tolerance_mm) return false;
+  m_part = off_mm > m_off_mm ? std::max(kLeastPart, m_part / 2) : std::min(1.0, m_part * 1.25);
+  m_off_mm = off_mm;
+  return true;
 }
 
 TetContactSolution ShellRounds::run(const TetLoads& loads, Progress* progress) {
@@ -203,9 +213,10 @@ TetContactSolution ShellRounds::run(const TetLoads& loads, Progress* progress) {
     int round = 0;
     do {
       poll(progress);
-      if (m_rounds >= m_shell.max_rounds) {
+      if (m_rounds >= m_shell.max_rounds || m_deepest_mm > kLostMm) {
         throw Error("contact with a shell: no end after " + std::to_string(m_rounds) +
-                    " rounds, nodes are up to " + number_text(m_deepest_mm) + " mm beyond it");
+                    " rounds, nodes are up to " + number_text(m_deepest_mm) +
+                    " mm beyond it; expected smaller loads, or planes in place of the shell");
       }
       solve(progress);
       ++m_rounds;

@@ -10,8 +10,8 @@
 // those that press and those that are beyond their bound (primal-dual active set, Hintermueller,
 // Ito & Kunisch 2002). Nodes of the shell have a frame along n for that, so that a bound is a
 // component that is held. When the same nodes press, g is found anew where the node has slid to,
-// until none is off the shell by more than `tolerance_mm`. Pressures act along n, as small
-// displacements have it.
+// and gone to in part where that leads away, until none is off the shell by more than
+// `tolerance_mm`. Pressures act along n, as small displacements have it.
 //
 // Openings are other sets of faces. Nodes of their rim are nodes of the shell, too, and stay behind
 // it, unless `frees_rims`; the areas of the report tell of both.
@@ -28,7 +28,10 @@ struct TetShellContact {
   std::vector<std::string> faces;     // that rest against the shell
   std::vector<std::string> openings;  // whose areas are told
   bool frees_rims = false;            // nodes that openings share with the shell
-  double tolerance_mm = 1e-4;
+  /// The shell is a plane for each node, g = 0, as linear theory has it: for slides by much of its
+  /// radius. `deepest_mm` tells how far nodes are beyond the true one.
+  bool has_planes = false;
+  double tolerance_mm = 5e-4;
   int max_rounds = 200;
 
   /// Throws InputError.
