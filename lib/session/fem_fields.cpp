@@ -4,6 +4,7 @@
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/motion_step.h"
 #include "lib/session/fem_step.h"
+#include "lib/session/tet_step.h"
 #include "volumes/base/value.h"
 
 namespace supple {
@@ -14,6 +15,7 @@ const char* name_of(LoadKind kind) {
 }
 
 std::optional<Problem> contradiction(const FemStep& step) {
+  if (step.tets) return contradiction(*step.tets);
   const bool is_finite = step.params.strain == StrainTheory::finite;
   if (step.motion && is_finite) return Problem{"", "strain", "finite beside a motion", "linear"};
   const char* const beside = step.modes ? "modes" : step.motion ? "a motion" : nullptr;
@@ -84,6 +86,17 @@ Fields fields(FemStep& step) {
   return all;
 }
 
+Fields tet_fields(FemStep& step) {
+  Fields all = fields(*step.tets);
+  for (const Field& field : fields(step)) {
+    for (const char* name : {"tolerance", "reaction_tolerance", "max_iterations", "loose",
+                             "max_rotation", "max_strain", "gravity"}) {
+      if (field.name() == name) all.push_back(field);
+    }
+  }
+  return all;
+}
+
 Fields load_fields(FemLoad& load) {
   if (load.kind == LoadKind::force) {
     return {
@@ -107,7 +120,7 @@ Fields load_fields(FemLoad& load) {
 
 Value settings_value(const FemStep& step) {
   FemStep copy = step;
-  auto value = fields_value(fields(copy));
+  auto value = fields_value(copy.tets ? tet_fields(copy) : fields(copy));
   // Records of exact steps are as they were before there were others.
   if (copy.params.accuracy == FemAccuracy::exact) value.erase("accuracy");
   if (copy.params.elements.dilatation == Dilatation::mean) value.erase("integration");
@@ -118,6 +131,7 @@ Value settings_value(const FemStep& step) {
     for (const Vec3i& voxel : copy.motion->watch) value["motion"]["watch"].push_back(voxel);
   }
   if (copy.modes) value["modes"] = fields_value(fields(*copy.modes));
+  if (copy.tets) value.update(settings_value(*copy.tets));
   for (FemLoad& load : copy.loads) {
     auto entry = chosen_value(load.part);
     entry.update(fields_value(load_fields(load)));

@@ -15,6 +15,9 @@
 
 namespace supple {
 
+struct TetRecord;  // lib/session/tet_record.h
+struct TetStep;    // lib/session/tet_step.h
+
 enum class LoadKind { force, pressure, swelling };
 const char* name_of(LoadKind kind);
 
@@ -46,6 +49,7 @@ struct FemStep {
   std::optional<ModeStep> modes;     // instead of an equilibrium
   std::optional<MotionStep> motion;  // likewise
   bool keeps_nodes = false;          // for a motion that the next step is to have
+  std::shared_ptr<TetStep> tets;     // tetrahedra instead of voxels, in equilibrium
 };
 
 struct FemRecord {
@@ -62,8 +66,9 @@ struct FemRecord {
   FemNodes nodes;                     // where FemStep::keeps_nodes, until the next step
   /// Displacements of a step for a picture from which a later one may begin.
   std::shared_ptr<const NodeStart> equilibrium;
-  std::optional<ModesRecord> modes;    // of FemStep::modes; `report` then has sizes alone
-  std::optional<MotionRecord> motion;  // of FemStep::motion; all else is as at its end
+  std::shared_ptr<const TetRecord> tets;  // of FemStep::tets
+  std::optional<ModesRecord> modes;       // of FemStep::modes; `report` then has sizes alone
+  std::optional<MotionRecord> motion;     // of FemStep::motion; all else is as at its end
   double milliseconds = 0;
 };
 
@@ -81,6 +86,8 @@ Fields fields(FemStep& step);
 Field accuracy_field(FemStep& step);
 /// Keys of these that are options of the command line, too.
 Fields option_fields(FemStep& step);
+/// Keys of `tets = { … }`, but for its loads, openings and sheets.
+Fields tet_fields(FemStep& step);
 /// Keys of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.
 Fields load_fields(FemLoad& load);
 /// Returns the step as a journal records it.

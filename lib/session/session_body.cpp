@@ -7,6 +7,7 @@
 #include "lib/session/handles/drag_handles.h"
 #include "lib/session/retraction.h"
 #include "lib/session/step_model.h"
+#include "lib/session/tet_step.h"
 #include "volumes/base/error.h"
 #include "volumes/grid/labels.h"
 
@@ -131,6 +132,10 @@ void SessionBody::check_parts(const Step& request) const {
   for (const ChosenPart& part : request.remove) require_part(part, "remove");
   if (!request.fem) return;
   for (const FemLoad& load : request.fem->loads) require_part(load.part, name_of(load.kind));
+  if (!request.fem->tets) return;
+  for (const TetOpening& opening : request.fem->tets->openings) {
+    if (opening.part) require_part(*opening.part, "openings");
+  }
 }
 
 void SessionBody::release_and_fix(const Step& request) {

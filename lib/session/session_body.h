@@ -16,6 +16,7 @@
 namespace supple {
 
 class CutLips;
+struct KeptTets;  // lib/session/tets/tet_body.h
 struct LipsBefore;
 
 /// Shapes of pieces and lips, kept from step to step.
@@ -46,7 +47,8 @@ struct SessionBody {
   ContactShapes contact;
   /// Displacements of the last finite elements for a picture, while their solid is the same.
   std::shared_ptr<const NodeStart> equilibrium;
-  RelaxParams relaxed_by;  // of the relaxation that the body rests under, if any
+  std::shared_ptr<const KeptTets> tets;  // the last mesh of tetrahedra
+  RelaxParams relaxed_by;                // of the relaxation that the body rests under, if any
   std::optional<StepWalk> walk;
 
   /// Finds links, anchors and solver of a body that is new, or whose material is.

@@ -5,6 +5,7 @@
 
 #include "lib/session/handles/handle_path.h"
 #include "lib/session/step_model.h"
+#include "lib/session/tet_step.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
@@ -89,6 +90,11 @@ Step on_grid(const Step& step, const Geometry& geometry, double time) {
   for (ChosenPart& part : found.rigid.parts) part = on_grid(std::move(part), geometry);
   if (!found.fem) return found;
   for (FemLoad& load : found.fem->loads) load.part = on_grid(std::move(load.part), geometry);
+  if (!found.fem->tets) return found;
+  found.fem->tets = std::make_shared<TetStep>(*found.fem->tets);
+  for (TetOpening& opening : found.fem->tets->openings) {
+    if (opening.part) opening.part = on_grid(std::move(*opening.part), geometry);
+  }
   return found;
 }
 

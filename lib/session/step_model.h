@@ -13,6 +13,7 @@
 #include "lib/model/model.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/unit_cost.h"
+#include "volumes/grid/labels.h"
 
 namespace supple {
 
@@ -21,6 +22,7 @@ struct PieceMotion;  // lib/session/handles/rigid_drag.h
 struct SessionBody;  // lib/session/session_body.h
 struct Step;
 struct StepRecord;
+class Table;
 
 /// Memory and work of a step that moves a whole body.
 struct ModelCost {
@@ -57,6 +59,8 @@ struct StepModel {
   std::function<void(Step&)> choose = {};
   /// Keys of its table in a scene, and those of them that are options: of a step that asks for it.
   std::function<Fields(Step&)> fields = {}, option_fields = {};
+  /// Reads that table, where it has more than `fields`.
+  std::function<void(Table&, const LabelNames&, Step&)> read = {};
   /// Settings and results as a journal records them.
   std::function<Value(const StepRecord&)> settings = {};
   std::function<ModelCost(const Step&, const Body&)> cost = {};

@@ -10,6 +10,7 @@
 #include "lib/session/retraction.h"
 #include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
+#include "lib/session/tet_step.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/file/live_event.h"
@@ -61,6 +62,8 @@ std::vector<KeyTable> all_tables() {
   static MotionStep fem_motion;
   static FemLoad force, pressure;
   pressure.kind = LoadKind::pressure;
+  static TetOpening opening;
+  static TetSheet sheet;
   static CutSurface plane, curve;
   curve.curve.emplace();
   static SceneView view;
@@ -84,9 +87,11 @@ std::vector<KeyTable> all_tables() {
   const std::vector<KeyTable> more = {
       {"modes", "modes = { … } of fem", "", fields(modes)},
       {"fem_motion", "motion = { … } of fem", "", fields(fem_motion)},
-      {"forces", "forces = [{ … }] of fem", "", load_fields(force)},
-      {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem", "",
+      {"forces", "forces = [{ … }] of fem and tets", "", load_fields(force)},
+      {"pressures", "pressures = [{ … }] and swellings = [{ … }] of fem and tets", "",
        load_fields(pressure)},
+      {"openings", "openings = [{ … }] of tets", "", fields(opening)},
+      {"sheets", "sheets = [{ … }] of tets", "", fields(sheet)},
       {"view", "[[view]]", "", fields(view)},
       {"camera_path", "camera_path = [{ … }] of a [[view]]", "", fields(camera_key)},
       {"film", "[film]", "", fields(film)},

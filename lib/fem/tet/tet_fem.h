@@ -28,8 +28,6 @@
 
 namespace supple {
 
-enum class TetEquations { gradients, factor };
-
 struct TetParams {
   TetEquations equations = TetEquations::gradients;
   double tolerance = 1e-8;           // as FemParams

@@ -8,6 +8,9 @@
 
 namespace supple {
 
+/// Solver of the equations: conjugate gradients, or exact factors for many loads.
+enum class TetEquations { gradients, factor };
+
 /// Nodes that are held or led. Components are bits as in HeldBits.
 struct TetHeld {
   std::vector<NodeIndex> nodes;

@@ -26,16 +26,20 @@ FemLoad read_load(Table& table, LoadKind kind, const LabelNames& names) {
 
 }  // namespace
 
-FemStep read_fem(Table& table, const LabelNames& names) {
-  FemStep fem;
-  table.read({accuracy_field(fem)});
-  fem.params.set_accuracy(fem.params.accuracy);
-  table.read(fields(fem));
+void read_loads(Table& table, const LabelNames& names, FemStep& fem) {
   for (const LoadKind kind : {LoadKind::force, LoadKind::pressure, LoadKind::swelling}) {
     for (Table& load : table.table_or_tables(std::string(name_of(kind)) + "s")) {
       fem.loads.push_back(read_load(load, kind, names));
     }
   }
+}
+
+FemStep read_fem(Table& table, const LabelNames& names) {
+  FemStep fem;
+  table.read({accuracy_field(fem)});
+  fem.params.set_accuracy(fem.params.accuracy);
+  table.read(fields(fem));
+  read_loads(table, names, fem);
   if (auto modes = table.table("modes")) {
     modes->read(fields(fem.modes.emplace()));
     modes->finish();

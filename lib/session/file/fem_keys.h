@@ -10,5 +10,7 @@ namespace supple {
 
 /// Throws InputError as Table, and for loads that name no elements.
 FemStep read_fem(Table& table, const LabelNames& names);
+/// Reads the loads alone.
+void read_loads(Table& table, const LabelNames& names, FemStep& fem);
 
 }  // namespace supple

@@ -2,9 +2,7 @@
 
 #include "lib/material/material.h"
 #include "lib/session/file/cut_keys.h"
-#include "lib/session/file/fem_keys.h"
 #include "lib/session/file/handle_keys.h"
-#include "lib/session/file/spring_keys.h"
 #include "lib/session/retraction.h"
 #include "lib/session/step_model.h"
 
@@ -19,17 +17,6 @@ void require_no_table(Table& table, const std::string& name) {
   const std::vector<std::string> keys = own->keys();
   own->fail(keys.empty() ? "" : keys.front(), name + " without its model",
             "model = \"" + name + '"');
-}
-
-void read_own(Table& table, const LabelNames& names, const StepModel& model, Step& step) {
-  if (step.springs) {
-    step.springs = read_spring_step(table);
-  } else if (step.fem) {
-    step.fem = read_fem(table, names);
-  } else {
-    table.read(model.fields(step));
-    table.finish();
-  }
 }
 
 RelaxParams read_relax(Table& table) {
@@ -127,7 +114,13 @@ void read_model(Table& table, const LabelNames& names, int chosen, Step& step) {
       table.fail(key, std::string(key) + " beside " + model.name, "a step of its own for it");
     }
     model.choose(step);
-    if (own) read_own(*own, names, model, step);
+    if (!own) continue;
+    if (model.read) {
+      model.read(*own, names, step);
+    } else {
+      own->read(model.fields(step));
+      own->finish();
+    }
   }
 }
 

@@ -43,5 +43,9 @@ std::function<std::vector<FreePose>(bool is_last)> keeping_apart(const StepTask&
 StepModel chainmail_model();
 StepModel spring_model();
 StepModel fem_model();
+StepModel tet_model();
+
+/// Settings and results of finite elements as a journal records them.
+Value fem_settings(const StepRecord& record);
 
 }  // namespace supple

@@ -7,6 +7,7 @@
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_cost.h"
 #include "lib/session/fem_task.h"
+#include "lib/session/file/fem_keys.h"
 #include "lib/session/models/drags.h"
 #include "lib/session/step_warnings.h"
 
@@ -38,16 +39,6 @@ void run_elements(const ModelTask& task) {
   warn_of_meetings(record.meetings, task.progress);
   warn_of_sides(record.contact, task.progress);
   task.start_anew();
-}
-
-Value journal_settings(const StepRecord& record) {
-  const FemReport& report = record.equilibrium.report;
-  Value value = settings_value(*record.fem);
-  value["iterations"] = report.iterations;
-  value["residual_max"] = report.residual_max;
-  value["force_balance"] = report.force_balance;
-  value["energy_identity"] = report.energy_identity;
-  return value;
 }
 
 /// Elements of the fixed boxes, and of rigid pieces that these hold as wholes.
@@ -113,17 +104,30 @@ void by_dolfinx(Step& step, double tolerance) {
 
 }  // namespace
 
+Value fem_settings(const StepRecord& record) {
+  const FemReport& report = record.equilibrium.report;
+  Value value = settings_value(*record.fem);
+  value["iterations"] = report.iterations;
+  value["residual_max"] = report.residual_max;
+  value["force_balance"] = report.force_balance;
+  value["energy_identity"] = report.energy_identity;
+  return value;
+}
+
 StepModel fem_model() {
   StepModel model;
   model.name = "fem";
   model.title = "finite elements";
   model.menu = "Finite elements, after a drag";
   model.waits_for_hands = true;
-  model.moves = [](const Step& step) { return step.fem.has_value(); };
+  model.moves = [](const Step& step) { return step.fem && !step.fem->tets; };
   model.choose = [](Step& step) { step.fem.emplace(); };
   model.fields = [](Step& step) { return fields(*step.fem); };
   model.option_fields = [](Step& step) { return option_fields(*step.fem); };
-  model.settings = journal_settings;
+  model.read = [](Table& table, const LabelNames& names, Step& step) {
+    step.fem = read_fem(table, names);
+  };
+  model.settings = fem_settings;
   model.cost = cost_of_elements;
   model.shorten = shorten_for_bones;
   model.run = run_elements;

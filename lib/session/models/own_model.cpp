@@ -5,7 +5,7 @@
 namespace supple {
 
 std::deque<StepModel> built_in_models() {
-  return {chainmail_model(), spring_model(), fem_model()};
+  return {chainmail_model(), spring_model(), fem_model(), tet_model()};
 }
 
 void run_own_model(const ModelTask& task,

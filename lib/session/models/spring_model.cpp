@@ -1,4 +1,5 @@
 // Springs as the model of a step.
+#include "lib/session/file/spring_keys.h"
 #include "lib/session/models/drags.h"
 #include "lib/session/spring_step.h"
 #include "lib/springs/spring_cost.h"
@@ -85,6 +86,9 @@ StepModel spring_model() {
   model.choose = [](Step& step) { step.springs.emplace(); };
   model.fields = [](Step& step) { return fields(*step.springs); };
   model.option_fields = model.fields;
+  model.read = [](Table& table, const LabelNames&, Step& step) {
+    step.springs = read_spring_step(table);
+  };
   model.settings = [](const StepRecord& record) { return settings_value(*record.springs); };
   model.cost = cost_of_springs;
   model.check = check_springs;

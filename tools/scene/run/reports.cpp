@@ -3,6 +3,7 @@
 #include "lib/session/deformable_mesh.h"
 #include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
+#include "lib/session/tet_record.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {
@@ -354,10 +355,11 @@ Value to_value(const StepRecord& record) {
             {"modes", to_value(*record.equilibrium.modes)}};
   }
   if (record.fem) {
-    Value json = {{"model", "fem"},
+    Value json = {{"model", model_of(record).name},
                   {"cut_links", record.cut_links},
                   {"settings", settings_value(*record.fem)},
                   {"fem", to_value(record.equilibrium)}};
+    if (record.equilibrium.tets) json["tets"] = to_value(*record.equilibrium.tets);
     if (record.removed > 0) json["removed"] = record.removed;
     if (record.bones) {
       json["fraction"] = record.report.fraction();

@@ -1,0 +1,208 @@
+#include "lib/session/tets/tet_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "lib/mesh/tets/element_materials.h"
+#include "lib/mesh/tets/element_regions.h"
+#include "lib/mesh/tets/solid_faces.h"
+#include "lib/mesh/tets/solid_quality.h"
+#include "volumes/base/units.h"
+#include "volumes/io/solid/solid_mesh_file.h"
+
+namespace supple {
+
+namespace {
+
+/// Cosine of the widest angle between `facing` and the normal of a face.
+constexpr double kFacingCosine = 0.5;
+constexpr const char* kBetween = " to ";
+
+using OuterFace = std::array<std::int32_t, 3>;
+
+Vec3d middle_of(const SolidMesh& mesh, const OuterFace& face) {
+  Vec3d sum(0);
+  for (const std::int32_t node : face) sum += mesh.nodes_lps_mm[std::size_t(node)];
+  return sum / 3;
+}
+
+Vec3d normal_of(const SolidMesh& mesh, const OuterFace& face) {
+  const auto at = [&](std::size_t c) { return mesh.nodes_lps_mm[std::size_t(face[c])]; };
+  return (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+}
+
+Vec3d centroid_of(const SolidMesh& mesh) {
+  const std::vector<double> volumes = volumes_mm3(mesh);
+  Vec3d sum(0);
+  double weight = 0;
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
+    for (const std::int32_t node : mesh.tets[e]) {
+      sum += mesh.nodes_lps_mm[std::size_t(node)] * (volumes[e] / 4);
+    }
+    weight += volumes[e];
+  }
+  return sum / weight;
+}
+
+/// True for outer faces at an element of the set.
+class FacesOfElements {
+ public:
+  FacesOfElements(const SlotSet& slots, const Body& body) : m_slots(slots), m_body(body) {}
+  bool operator()(const SolidMesh& mesh, const OuterFace& face) const {
+    const auto slot =
+        nearest_slot(m_body.elements, m_body.geometry.index_from_world(middle_of(mesh, face)));
+    return slot && m_slots.contains(*slot);
+  }
+
+ private:
+  const SlotSet& m_slots;
+  const Body& m_body;
+};
+
+/// True for the faces of a region that end the mesh; the others are borders of two.
+bool is_outer(const FaceSet& set) {
+  return set.name.find(kBetween) == std::string::npos;
+}
+
+/// Parts the outer surface into openings and the rest; borders between labels stay.
+void name_openings(const TetStep& step, const Body& body, const DensityGrid& density,
+                   const BrickValues& labels, TetBody& tets) {
+  SolidMesh& mesh = tets.mesh;
+  for (const FaceSet& set : mesh.faces) {
+    if (is_outer(set))
+      tets.outer.insert(tets.outer.end(), set.triangles.begin(), set.triangles.end());
+  }
+  mesh.faces.erase(std::remove_if(mesh.faces.begin(), mesh.faces.end(), is_outer),
+                   mesh.faces.end());
+  std::vector<OuterFace> rest = tets.outer;
+  const Vec3d centre = centroid_of(mesh);
+  for (const TetOpening& opening : step.openings) {
+    std::function<bool(const OuterFace&)> belongs;
+    SlotSet slots;
+    if (opening.part) {
+      slots = elements_of(*opening.part, body, density, labels, "openings");
+      belongs = [&, of = FacesOfElements(slots, body)](const OuterFace& face) {
+        return of(mesh, face);
+      };
+    } else {
+      const Vec3d axis = opening.toward->normalized();
+      const double least = std::cos(opening.degrees * kRadiansPerDegree);
+      belongs = [&mesh, centre, axis, least](const OuterFace& face) {
+        return (middle_of(mesh, face) - centre).normalized().dot(axis) > least;
+      };
+    }
+    const auto own = std::stable_partition(rest.begin(), rest.end(),
+                                           [&](const OuterFace& face) { return !belongs(face); });
+    if (own == rest.end()) {
+      throw InputError({"", "openings", opening.name + ", without a face",
+                        "a wider angle or a larger part of the surface"});
+    }
+    mesh.faces.push_back({opening.name, {own, rest.end()}});
+    rest.erase(own, rest.end());
+  }
+  mesh.faces.push_back({kOutside, std::move(rest)});
+}
+
+/// The region of elements without a label: 0 is what lies outside of a mesh.
+constexpr std::int32_t kUnlabelled = -1;
+
+std::map<std::int32_t, std::string> numbers_as_names(const SolidMesh& mesh) {
+  std::map<std::int32_t, std::string> names;
+  for (const std::int32_t region : mesh.region_of) {
+    names.try_emplace(region, std::to_string(region == kUnlabelled ? 0 : region));
+  }
+  return names;
+}
+
+/// Mean densities of mass of the voxels in the elements of each material.
+std::vector<double> mass_densities(const TetBody& tets, const Body& body) {
+  const MaterialClasses classes(body.material);
+  std::vector<double> sums(tets.mesh.materials.size(), 0), counts(sums.size(), 0);
+  std::size_t element = 0;
+  double all = 0;
+  for_each_element(body.elements, [&](Slot slot) {
+    const std::int32_t tet = tets.sites[element++].tet;
+    const double density = classes.mass_density_of_class(body.classes[slot]);
+    all += density;
+    if (tet < 0) return;
+    const auto of = std::size_t(tets.mesh.material_of[std::size_t(tet)]);
+    sums[of] += density;
+    ++counts[of];
+  });
+  for (std::size_t m = 0; m < sums.size(); ++m) {
+    sums[m] = counts[m] > 0 ? sums[m] / counts[m] : all / double(element);
+  }
+  return sums;
+}
+
+bool has_materials(const SolidMesh& mesh) {
+  return std::any_of(mesh.materials.begin(), mesh.materials.end(),
+                     [](const SolidMaterial& material) { return material.young_kpa > 0; });
+}
+
+}  // namespace
+
+std::string border_name(std::int32_t first, std::int32_t second) {
+  return std::to_string(std::min(first, second)) + kBetween +
+         std::to_string(std::max(first, second));
+}
+
+FaceSet loaded_faces(const std::string& name, const SlotSet& elements,
+                     const std::optional<Vec3d>& facing, const Body& body, const TetBody& tets) {
+  const FacesOfElements belongs(elements, body);
+  FaceSet set{name, {}};
+  for (const OuterFace& face : tets.outer) {
+    const bool is_turned_away =
+        facing && normal_of(tets.mesh, face).dot(facing->normalized()) < kFacingCosine;
+    if (!is_turned_away && belongs(tets.mesh, face)) set.triangles.push_back(face);
+  }
+  if (set.triangles.empty()) {
+    throw InputError({"", "pressures", "elements without an outer face there",
+                      "elements at the surface of the mesh"});
+  }
+  return set;
+}
+
+TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& density,
+                      const BrickValues& labels, Progress* progress) {
+  TetBody tets;
+  const VoxelMask mask = mask_of(body.geometry, body.elements);
+  tets.voxels_ml = mask.volume_mm3() * kMlPerMm3;
+  stage(progress, "meshing");
+  const VoxelLabel label_of = [&](const Vec3i& voxel) {
+    Slot slot;
+    return slot_of(body.elements, voxel, slot) && !labels.empty() ? labels.at(slot) : 0;
+  };
+  const bool is_made = step.mesh.empty();
+  SolidMesh& mesh = tets.mesh;
+  mesh = is_made ? make_tets(mask, step.solid, 1, "surface", nullptr, progress)
+                 : read_solid_mesh(step.mesh);
+  if (step.has_labels && labels.empty()) {
+    throw InputError({"", "labels", "a volume without labels", "a table [labels]"});
+  }
+  if (step.has_labels) {
+    give_regions(mesh, mask, [&](const Vec3i& voxel) {
+      const std::int32_t label = label_of(voxel);
+      return label == 0 ? kUnlabelled : label;
+    });
+  }
+  mesh.faces = faces_of_regions(mesh, numbers_as_names(mesh));
+  if (is_made || !has_materials(mesh)) {
+    give_materials(mesh, mask, density, elastic_curves(body.material), label_of, step.bins);
+  }
+  poll(progress);
+  name_openings(step, body, density, labels, tets);
+  tets.sites = voxel_sites(mesh, body.geometry, body.elements);
+  tets.unmeshed = std::count_if(tets.sites.begin(), tets.sites.end(),
+                                [](const VoxelSite& site) { return site.tet < 0; });
+  if (tets.unmeshed == std::int64_t(tets.sites.size())) {
+    throw InputError({step.mesh, "mesh", "no voxel of the body in its tetrahedra",
+                      "a mesh of the body, in LPS millimetres"});
+  }
+  tets.density_kg_m3 = mass_densities(tets, body);
+  return tets;
+}
+
+}  // namespace supple
