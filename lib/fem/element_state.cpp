@@ -22,6 +22,25 @@ std::array<double, 3> eigenvalues(const SymmetricTensor& t) {
   return {largest, 3 * mean - largest - smallest, smallest};
 }
 
+SymmetricTensor symmetric(const Matrix9& a) {
+  return {a[0], a[4], a[8], (a[1] + a[3]) / 2, (a[5] + a[7]) / 2, (a[6] + a[2]) / 2};
+}
+
+void set_finite(const Matrix9& f, double shear_kpa, double mean_kpa, ElementState& state) {
+  const Matrix9 rotation = rotation_of(f);
+  state.strain = symmetric(times_transposed(f, rotation));
+  for (std::size_t n = 0; n < 3; ++n) state.strain[n] -= 1;
+  const Vec3d sine = axial(rotation);
+  const double angle = std::atan2(sine.length(), (rotation[0] + rotation[4] + rotation[8] - 1) / 2);
+  state.rotation_rad = sine.length() > 0 ? sine * (angle / sine.length()) : Vec3d(0);
+  const double J = state.det_f = determinant_of(f, cofactors(f));
+  const double shear = shear_kpa * std::pow(J, -5.0 / 3);
+  const SymmetricTensor b = symmetric(times_transposed(f, f));
+  for (std::size_t n = 0; n < 6; ++n) state.stress_kpa[n] = shear * b[n];
+  const double volumetric = mean_kpa - shear * trace(b) / 3;
+  for (std::size_t n = 0; n < 3; ++n) state.stress_kpa[n] += volumetric;
+}
+
 double value_of(const ElementState& state, FemQuantity quantity) {
   const SymmetricTensor& s = state.stress_kpa;
   switch (quantity) {

@@ -40,6 +40,14 @@ void add_to(std::vector<double>& y, double factor, const std::vector<double>& x)
 
 }  // namespace
 
+double take_swellings(const NonlinearSystem& system, const std::vector<double>& u,
+                      const std::vector<double>& r, NodalLoads& loads) {
+  loads.force_mn.assign(u.size(), 0);
+  const StrainEnergy elastic = system.add_forces(u.data(), loads.force_mn.data(), 0);
+  add_to(loads.force_mn, 1, r);
+  return elastic.energy_uj;
+}
+
 Newton::Newton(const ElasticSolid& solid, const NonlinearSystem& system, NodalLoads& loads,
                const NewtonLimits& limits)
     : m_system(&system),

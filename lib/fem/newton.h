@@ -44,6 +44,11 @@ class NonlinearSystem {
   virtual double largest_turn_deg(const std::vector<double>& u_mm) const = 0;
 };
 
+/// Counts swellings as forces of the loads at u, where r = f - K(u), and not as elasticity. Returns
+/// the energy without them.
+double take_swellings(const NonlinearSystem& system, const std::vector<double>& u,
+                      const std::vector<double>& r, NodalLoads& loads);
+
 struct NewtonLimits {
   double tolerance = 1e-6, reaction_tolerance = 1e-5;  // as CgLimits
   int max_cg_iterations = 400;                         // of one linear system

@@ -1,9 +1,11 @@
-// Matrices of 3 x 3 in rows: cofactors and the rotation of a gradient.
+// Matrices of 3 x 3 in rows: products, cofactors and the rotation of a gradient.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "volumes/base/vec.h"
 
 namespace supple {
 
@@ -19,6 +21,24 @@ inline Matrix9 cofactors(const Matrix9& a) {
     }
   }
   return out;
+}
+
+/// A x.
+inline Vec3d times(const Matrix9& a, const Vec3d& x) {
+  return {a[0] * x.x + a[1] * x.y + a[2] * x.z, a[3] * x.x + a[4] * x.y + a[5] * x.z,
+          a[6] * x.x + a[7] * x.y + a[8] * x.z};
+}
+/// A B^T.
+inline Matrix9 times_transposed(const Matrix9& a, const Matrix9& b) {
+  Matrix9 out{};
+  for (std::size_t n = 0; n < 9; ++n) {
+    for (std::size_t m = 0; m < 3; ++m) out[n] += a[3 * (n / 3) + m] * b[3 * (n % 3) + m];
+  }
+  return out;
+}
+/// Half the curl of a gradient.
+inline Vec3d axial(const Matrix9& a) {
+  return {(a[7] - a[5]) / 2, (a[2] - a[6]) / 2, (a[3] - a[1]) / 2};
 }
 
 /// Expands the determinant by the cofactors of the first row.

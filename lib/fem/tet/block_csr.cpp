@@ -73,6 +73,10 @@ BlockCsr::BlockCsr(std::size_t node_count, const std::vector<const NodeSets*>& s
   });
 }
 
+void BlockCsr::set_zero() {
+  std::fill(m_blocks.begin(), m_blocks.end(), Matrix9{});
+}
+
 BlockCsr BlockCsr::in_frames(const std::vector<Matrix9>& frames) const {
   BlockCsr out = *this;
   parallel_for(node_count(), kRows, [&](std::size_t row) {

@@ -58,6 +58,7 @@ class BlockCsr final : public Operator {
   template <class Fill>
   void add_sets(const NodeSets& sets, const Fill& fill);
 
+  void set_zero();
   /// The same matrix where the n-th node has the axes in the rows of frames[n].
   BlockCsr in_frames(const std::vector<Matrix9>& frames) const;
 

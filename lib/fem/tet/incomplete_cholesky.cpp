@@ -1,6 +1,7 @@
 #include "lib/fem/tet/incomplete_cholesky.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "volumes/base/error.h"
 
@@ -75,7 +76,7 @@ bool IncompleteCholesky::factorize(const BlockCsr& matrix, const HeldBits& held)
     const std::size_t first = std::size_t(matrix.begin()[row]);
     u.resize(count);
     Matrix9 diagonal = free_block(matrix.blocks()[first + count], held[row], held[row], true);
-    for (std::size_t m = 0; m < 3; ++m) diagonal[4 * m] *= 1 + m_shift;
+    for (std::size_t m = 0; m < 3; ++m) diagonal[4 * m] += m_shift * std::abs(diagonal[4 * m]);
     for (std::size_t n = 0; n < count; ++n) {
       const std::size_t column = std::size_t(m_columns[begin + n]);
       u[n] = free_block(matrix.blocks()[first + n], held[row], held[column], false);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "lib/fem/elastic_law.h"
 #include "lib/fem/tet/tet_shape.h"
@@ -161,6 +162,17 @@ ShellTriangles::ShellTriangles(const std::vector<ElasticSheet>& sheets,
     m_matrices.push_back(matrix);
   }
 }
+ShellTriangles ShellTriangles::bending_alone(const std::vector<Vec3d>& positions) const {
+  std::vector<Triangle> bending;
+  std::copy_if(m_triangles.begin(), m_triangles.end(), std::back_inserter(bending),
+               [&](const Triangle& of) {
+                 return m_sheets[std::size_t(of.sheet)].kind != SheetKind::stretch;
+               });
+  std::vector<ElasticSheet> sheets = m_sheets;
+  for (ElasticSheet& sheet : sheets) sheet.kind = SheetKind::bending;
+  return ShellTriangles(sheets, bending, positions);
+}
+
 
 void ShellTriangles::add_to(BlockCsr& matrix, const std::vector<double>& parts,
                             const std::vector<double>& inertia) const {

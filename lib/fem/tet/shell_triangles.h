@@ -64,6 +64,10 @@ class ShellTriangles {
   ShellTriangles(const std::vector<ElasticSheet>& sheets, const std::vector<Triangle>& triangles,
                  const std::vector<Vec3d>& positions);
 
+  const std::vector<ElasticSheet>& sheets() const { return m_sheets; }
+  const std::vector<Triangle>& triangles() const { return m_triangles; }
+  /// The same sheets where they bend, with the same edges, as sheets that do not stretch.
+  ShellTriangles bending_alone(const std::vector<Vec3d>& positions) const;
   std::size_t triangle_count() const { return m_triangles.size(); }
   /// Number of nodes whose components are turns.
   std::size_t turn_node_count() const { return (m_edges.size() + 2) / 3; }

@@ -289,6 +289,9 @@ TetContactSolution solve_in_shell(const TetModel& model, const TetLoads& loads,
                                   const TetShellContact& shell, const TetParams& params,
                                   Progress* progress) {
   params.validate();
+  if (params.strain == StrainTheory::finite) {
+    throw InputError({"", "strain", "finite", "linear in a shell"});
+  }
   shell.validate();
   return ShellRounds(model, loads, shell, params).run(loads, progress);
 }

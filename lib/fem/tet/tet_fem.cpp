@@ -6,6 +6,7 @@
 
 #include "lib/fem/elastic_law.h"
 #include "lib/fem/rigid_sight.h"
+#include "lib/fem/tet/finite_volumes.h"
 #include "lib/fem/tet/tet_system.h"
 #include "volumes/base/error.h"
 #include "volumes/base/units.h"
@@ -174,6 +175,9 @@ double TetModel::area_of_faces(const std::string& name) const {
 
 std::vector<ElementState> TetModel::states(const TetSolution& solution,
                                            const TetLoads& loads) const {
+  if (solution.strain == StrainTheory::finite) {
+    return FiniteVolumes(m_volumes, m_moduli, loads.swelling_kpa).states(solution.u_mm);
+  }
   return m_volumes.states(solution.u_mm, m_moduli, loads.swelling_kpa);
 }
 

@@ -5,8 +5,8 @@
 //
 // Elements of volume are in tet_volumes.h, those of sheets in shell_triangles.h. Forces are in mN
 // inside (kPa mm^2) and in N in reports. Equations are solved by conjugate gradients with
-// incomplete Cholesky factors, or by exact factors for many loads. Results do not depend on the
-// number of threads.
+// incomplete Cholesky factors, or by exact factors for many loads; at finite strain by Newton's
+// method (finite_volumes.h, finite_sheets.h). Results do not depend on the number of threads.
 //
 //   const ElasticSheet dura{"skull", SheetKind::both, 2500, 0.48, 0.6};
 //   TetModel brain(mesh, TetElement::nodal_pressure, {dura});
@@ -29,10 +29,11 @@
 namespace supple {
 
 struct TetParams {
-  TetEquations equations = TetEquations::gradients;
+  TetEquations equations = TetEquations::gradients;  // at finite strain these alone
+  StrainTheory strain = StrainTheory::linear;
   double tolerance = 1e-8;           // as FemParams
   double reaction_tolerance = 1e-6;  // as FemParams; of conjugate gradients
-  int max_iterations = 5000;
+  int max_iterations = 5000;         // of each linear system
   LooseIslands loose = LooseIslands::refuse;
   MotionLimits limits;  // of linear theory; larger motions are flagged
 
@@ -46,6 +47,7 @@ struct TetSolution {
   std::vector<FemReaction> reactions;  // as TetLoads::held
   FemReport report;
   double least_det_f = 1;  // below 0: linear theory has turned an element inside out
+  StrainTheory strain = StrainTheory::linear;
 };
 
 /// A mesh with its materials and sheets, ready for any number of solves; keeps a copy of what it
@@ -71,9 +73,10 @@ class TetModel final : public ElasticSolid {
   std::vector<std::array<NodeIndex, 3>> parts_of_faces(const std::vector<std::string>& names) const;
   double area_of(const std::array<NodeIndex, 3>& triangle) const;
 
-  /// Loads at nodes. Throws InputError.
-  NodalLoads nodal_loads(const TetLoads& loads) const;
-  /// Throws InputError, NotConverged, Cancelled.
+  /// Loads at nodes; at finite strain swellings, whose forces turn with their elements, are beside
+  /// the forces. Throws InputError.
+  NodalLoads nodal_loads(const TetLoads& loads, StrainTheory strain = StrainTheory::linear) const;
+  /// Pressures on faces push as faces lie at rest. Throws InputError, NotConverged, Cancelled.
   TetSolution solve(const TetLoads& loads, const TetParams& params = {},
                     Progress* progress = nullptr) const;
 
@@ -100,7 +103,10 @@ class TetModel final : public ElasticSolid {
   void require_place(NodeIndex node, const char* of) const;
   void hold(const TetHeld& held, NodalLoads& out) const;
   void add_pressure(const FacePressure& pressure, std::vector<double>& force_mn) const;
-  void add_volume_forces(const TetLoads& loads, std::vector<double>& force_mn) const;
+  void add_swelling(const TetLoads& loads, StrainTheory strain, NodalLoads& out) const;
+  void add_gravity(const TetLoads& loads, std::vector<double>& force_mn) const;
+  TetSolution solve_finite(const TetLoads& loads, const TetParams& params,
+                           Progress* progress) const;
   BlockCsr weighted_matrix(const ElementWeights& weights) const;
 
   std::vector<FaceSet> m_faces;
@@ -115,7 +121,7 @@ class TetModel final : public ElasticSolid {
 /// The equations of one model with the same components held, made ready once for many loads.
 class TetSolver {
  public:
-  /// `model` must outlive this. Throws as TetModel::solve().
+  /// `model` must outlive this. Throws as TetModel::solve(), InputError for finite strain.
   TetSolver(const TetModel& model, const TetLoads& held, const TetParams& params,
             Progress* progress = nullptr);
   ~TetSolver();

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "lib/fem/conjugate_gradients.h"
+#include "lib/fem/tet/finite_tets.h"
 #include "lib/fem/tet/sparse_factor.h"
 #include "lib/fem/tet/tet_fem.h"
 #include "lib/fem/tet/tet_system.h"
@@ -16,12 +17,42 @@ namespace {
 /// Corrections by the residual after the solution with exact factors.
 constexpr int kMostRefinements = 5;
 
+void check_all_finite(const std::vector<double>& values) {
+  for (const double value : values) {
+    if (std::isfinite(value)) continue;
+    throw InputError({"", "loads", number_text(value), "finite forces and displacements"});
+  }
+}
+
+/// Holds loose pieces, or refuses them; begins the report.
+FemReport report_of_pieces(const TetModel& model, LooseIslands treatment, HeldBits& held) {
+  FemReport report;
+  const LooseCount loose = model.hold_loose(treatment == LooseIslands::hold, held);
+  if (loose.loose_islands > 0 && treatment == LooseIslands::refuse) {
+    throw InputError({"", "finite elements",
+                      std::to_string(loose.loose_islands) + " pieces of " +
+                          std::to_string(loose.loose_elements) + " elements that nothing holds",
+                      "every piece held so that it cannot move as a rigid body"});
+  }
+  report.islands = loose.islands;
+  report.loose_islands = loose.loose_islands;
+  report.loose_elements = loose.loose_elements;
+  report.elements = model.element_count();
+  report.nodes = std::int64_t(model.place_count());
+  for (const std::uint8_t of : held) report.unknowns += 3 - __builtin_popcount(of);
+  report.levels = 1;
+  return report;
+}
+
 }  // namespace
 
 void TetParams::validate() const {
   require(tolerance > 0 && tolerance < 1, "tolerance", tolerance, "between 0 and 1");
   require(reaction_tolerance > 0, "reaction_tolerance", reaction_tolerance, "above 0");
   require(max_iterations > 0, "max_iterations", max_iterations, "at least 1");
+  if (strain == StrainTheory::finite && equations == TetEquations::factor) {
+    throw InputError({"", "equations", "exact factors", "conjugate gradients at finite strain"});
+  }
   require(limits.rotation_deg > 0, "max_rotation_deg", limits.rotation_deg, "above 0");
   require(limits.strain > 0, "max_strain", limits.strain, "above 0");
 }
@@ -58,15 +89,21 @@ void TetModel::hold(const TetHeld& held, NodalLoads& out) const {
   }
 }
 
-/// Adds the forces of swellings and of gravity.
-void TetModel::add_volume_forces(const TetLoads& loads, std::vector<double>& force_mn) const {
-  if (!loads.swelling_kpa.empty()) {
-    if (loads.swelling_kpa.size() != m_volumes.element_count()) {
-      throw InputError({"", "swelling", std::to_string(loads.swelling_kpa.size()) + " values",
-                        std::to_string(m_volumes.element_count()) + ", one per element"});
-    }
-    m_volumes.add_swelling(loads.swelling_kpa, force_mn);
+void TetModel::add_swelling(const TetLoads& loads, StrainTheory strain, NodalLoads& out) const {
+  if (loads.swelling_kpa.empty()) return;
+  if (loads.swelling_kpa.size() != m_volumes.element_count()) {
+    throw InputError({"", "swelling", std::to_string(loads.swelling_kpa.size()) + " values",
+                      std::to_string(m_volumes.element_count()) + ", one per element"});
   }
+  check_all_finite(loads.swelling_kpa);
+  if (strain == StrainTheory::finite) {
+    out.swelling_kpa = loads.swelling_kpa;
+  } else {
+    m_volumes.add_swelling(loads.swelling_kpa, out.force_mn);
+  }
+}
+
+void TetModel::add_gravity(const TetLoads& loads, std::vector<double>& force_mn) const {
   if (loads.gravity_m_s2 == Vec3d(0)) return;
   if (loads.density_kg_m3.size() != m_moduli.size()) {
     throw InputError({"", "density", std::to_string(loads.density_kg_m3.size()) + " values",
@@ -79,7 +116,7 @@ void TetModel::add_volume_forces(const TetLoads& loads, std::vector<double>& for
   m_volumes.add_body_force(weights, force_mn);
 }
 
-NodalLoads TetModel::nodal_loads(const TetLoads& loads) const {
+NodalLoads TetModel::nodal_loads(const TetLoads& loads, StrainTheory strain) const {
   const std::size_t unknowns = 3 * std::size_t(node_count());
   NodalLoads out;
   out.held.assign(std::size_t(node_count()), 0);
@@ -97,13 +134,10 @@ NodalLoads TetModel::nodal_loads(const TetLoads& loads) const {
     }
   }
   for (const FacePressure& pressure : loads.pressures) add_pressure(pressure, out.force_mn);
-  add_volume_forces(loads, out.force_mn);
-  for (const auto* values : {&out.force_mn, &out.u_mm}) {
-    for (const double value : *values) {
-      if (std::isfinite(value)) continue;
-      throw InputError({"", "loads", number_text(value), "finite forces and displacements"});
-    }
-  }
+  add_swelling(loads, strain, out);
+  add_gravity(loads, out.force_mn);
+  check_all_finite(out.force_mn);
+  check_all_finite(out.u_mm);
   return out;
 }
 
@@ -139,27 +173,16 @@ struct TetSolver::Parts {
 TetSolver::TetSolver(const TetModel& model, const TetLoads& held, const TetParams& params,
                      Progress* progress) {
   params.validate();
+  if (params.strain == StrainTheory::finite) {
+    throw InputError({"", "strain", "finite", "linear where one system serves many loads"});
+  }
   poll(progress);
   const Stopwatch clock;
   TetLoads alone;
   alone.held = held.held;
   const HeldBits bits = model.nodal_loads(alone).held;
   m_parts = std::make_unique<Parts>(Parts{model, params, bits, bits, {}, nullptr, nullptr});
-  FemReport& report = m_parts->report;
-  const LooseCount loose = model.hold_loose(params.loose == LooseIslands::hold, m_parts->fixed);
-  if (loose.loose_islands > 0 && params.loose == LooseIslands::refuse) {
-    throw InputError({"", "finite elements",
-                      std::to_string(loose.loose_islands) + " pieces of " +
-                          std::to_string(loose.loose_elements) + " elements that nothing holds",
-                      "every piece held so that it cannot move as a rigid body"});
-  }
-  report.islands = loose.islands;
-  report.loose_islands = loose.loose_islands;
-  report.loose_elements = loose.loose_elements;
-  report.elements = model.element_count();
-  report.nodes = std::int64_t(model.place_count());
-  for (const std::uint8_t of : m_parts->fixed) report.unknowns += 3 - __builtin_popcount(of);
-  report.levels = 1;
+  FemReport& report = m_parts->report = report_of_pieces(model, params.loose, m_parts->fixed);
   if (params.equations == TetEquations::gradients) {
     m_parts->system = std::make_unique<TetSystem>(model.stiffness(), m_parts->fixed);
   } else {
@@ -243,12 +266,45 @@ void TetModel::note_motion(TetSolution& solution, const TetLoads& loads,
     report.largest_strain = std::max(report.largest_strain, strain);
     report.beyond_elements += turn > limits.rotation_deg || strain > limits.strain;
   }
-  report.beyond_linear = report.beyond_elements > 0;
+  report.beyond_linear = solution.strain == StrainTheory::linear && report.beyond_elements > 0;
   solution.least_det_f = m_volumes.least_det_f(solution.u_mm);
+}
+
+TetSolution TetModel::solve_finite(const TetLoads& loads, const TetParams& params,
+                                   Progress* progress) const {
+  params.validate();
+  poll(progress);
+  const Stopwatch clock;
+  NodalLoads nodal = nodal_loads(loads, StrainTheory::finite);
+  TetSolution out;
+  out.strain = StrainTheory::finite;
+  out.report = report_of_pieces(*this, params.loose, nodal.held);
+  const FiniteTets system(*this, nodal.held, nodal.swelling_kpa);
+  out.report.setup_ms = clock.ms();
+  stage(progress, "solving");
+  Newton solver(*this, system, nodal,
+                {params.tolerance, params.reaction_tolerance, params.max_iterations});
+  const bool is_found = solver.run(progress);
+  out.report.newton = solver.report();
+  out.report.iterations = solver.report().cg_iterations;
+  note(solver.size(), out.report);
+  out.report.bytes = bytes() + system.bytes() + solver.bytes();
+  out.report.solve_ms = clock.ms() - out.report.setup_ms;
+  if (!is_found) throw NotConverged(out.report);
+  const double energy_uj = nodal.swelling_kpa.empty()
+                               ? solver.report().energy_uj
+                               : take_swellings(system, solver.u(), solver.residual(), nodal);
+  balance(nodal, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, out.report);
+  out.report.energy_mj = energy_uj * kMjPerUj;
+  out.reactions = reactions_of(*this, nodal, solver.residual(), &solver.u());
+  out.u_mm = solver.take_u();
+  note_motion(out, loads, params.limits);
+  return out;
 }
 
 TetSolution TetModel::solve(const TetLoads& loads, const TetParams& params,
                             Progress* progress) const {
+  if (params.strain == StrainTheory::finite) return solve_finite(loads, params, progress);
   return TetSolver(*this, loads, params, progress).solve(loads, progress);
 }
 

@@ -182,8 +182,8 @@ void TetVolumes::add_linear(BlockCsr& matrix, const std::vector<TetModuli>& of_m
 
 void TetVolumes::add_patches(BlockCsr& matrix, const std::vector<TetModuli>& of_material) const {
   matrix.add_sets(m_patches, [&](std::size_t p, std::int32_t a, Matrix9* blocks) {
-    const double lambda = of_material[std::size_t(m_patch.material_of[p])].lambda_kpa();
-    const double weight = std::max(0.0, lambda) / m_patch.volume_mm3[p];
+    const double lambda = of_material[std::size_t(m_patch.material_of[p])].nodal_kpa();
+    const double weight = lambda / m_patch.volume_mm3[p];
     const Vec3d* gradients = m_patch.gradients.data() + m_patch.begin[p];
     for (std::size_t b = 0; b < m_patches.count(p); ++b) {
       for (int i = 0; i < 3; ++i) {
@@ -230,6 +230,10 @@ std::array<Vec3d, 10> TetVolumes::gradients_at(std::size_t element, const Bary& 
     out[4 + n] = gradient[a] * (4 * at[b]) + gradient[b] * (4 * at[a]);
   }
   return out;
+}
+
+std::array<Vec3d, 10> TetVolumes::point_gradients(std::size_t element, std::size_t point) const {
+  return gradients_at(element, point_count() == 1 ? kCentre : kPoints[point]);
 }
 
 Matrix9 TetVolumes::gradient_at(std::size_t element, const Bary& at,

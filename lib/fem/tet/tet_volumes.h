@@ -14,6 +14,7 @@
 // with mu needs nothing else to be stable; a lambda below 0 stays with each tetrahedron.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -32,10 +33,20 @@ enum class TetElement { linear, nodal_pressure, quadratic };
 struct TetModuli {
   double shear_kpa = 0, bulk_kpa = 0, inertia = 0;
   double lambda_kpa() const { return bulk_kpa - 2 * shear_kpa / 3; }
+  /// The part of lambda that resists the dilatation of nodes, where elements have pressures there.
+  double nodal_kpa() const { return std::max(0.0, lambda_kpa()); }
 };
 
 class TetVolumes {
  public:
+  /// Patches of tetrahedra of one material around a node.
+  struct Patches {
+    std::vector<std::int32_t> material_of;
+    std::vector<double> volume_mm3;
+    std::vector<std::size_t> begin;  // as the sets' nodes
+    std::vector<Vec3d> gradients;    // of d_p V_p by the displacement of each node
+    std::vector<std::array<std::int32_t, 4>> of_element;
+  };
   /// Throws InputError: hexahedra, a node that is not there, a volume that is not above 0.
   TetVolumes(const SolidMesh& mesh, TetElement element);
 
@@ -47,6 +58,11 @@ class TetVolumes {
   const NodeSets& elements() const { return m_elements; }
   /// Sets of nodes that are coupled beyond that, around each node. Empty but for nodal_pressure.
   const NodeSets& patches() const { return m_patches; }
+  const Patches& patch_table() const { return m_patch; }
+  /// Points of integration of an element, which have equal parts of its volume.
+  std::size_t point_count() const { return m_element == TetElement::quadratic ? 4 : 1; }
+  /// Gradients of the shape functions at such a point.
+  std::array<Vec3d, 10> point_gradients(std::size_t element, std::size_t point) const;
   /// The node in the middle of an edge; -1 where there is none.
   NodeIndex middle_of(NodeIndex a, NodeIndex b) const;
   double volume_mm3(std::size_t element) const { return m_shapes[element].volume_mm3; }
@@ -72,14 +88,6 @@ class TetVolumes {
   std::size_t bytes() const;
 
  private:
-  /// Patches of tetrahedra of one material around a node.
-  struct Patches {
-    std::vector<std::int32_t> material_of;
-    std::vector<double> volume_mm3;
-    std::vector<std::size_t> begin;  // as the sets' nodes
-    std::vector<Vec3d> gradients;    // of d_p V_p by the displacement of each node
-    std::vector<std::array<std::int32_t, 4>> of_element;
-  };
   using Bary = std::array<double, 4>;
   void make_middles();
   void make_patches();

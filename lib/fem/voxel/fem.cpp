@@ -286,20 +286,6 @@ void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemPara
   out.u_mm = solver.take_u();
 }
 
-namespace {
-
-/// Counts swellings as forces of the loads at u, where r = f - K(u), and not as elasticity. Returns
-/// the energy without them.
-double take_swellings(const FiniteStrain& strain, const std::vector<double>& u,
-                      const std::vector<double>& r, NodalLoads& loads) {
-  loads.force_mn.assign(u.size(), 0);
-  const StrainEnergy elastic = strain.add_forces(u.data(), loads.force_mn.data(), 0);
-  for (std::size_t n = 0; n < u.size(); ++n) loads.force_mn[n] += r[n];
-  return elastic.energy_uj;
-}
-
-}  // namespace
-
 void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,
                             FemSolution& out) const {
   FemReport& report = out.report;
@@ -326,7 +312,7 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   if (!converged) throw NotConverged(report);
   const double energy_uj = loads.swelling_kpa.empty()
                                ? solver.report().energy_uj
-                               : take_swellings(strain, solver.u(), solver.residual(), loads);
+                               : take_swellings(voxels, solver.u(), solver.residual(), loads);
   balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
   report.energy_mj = energy_uj * kMjPerUj;
   out.reactions = reactions_of(*this, loads, solver.residual(), &solver.u());

@@ -29,25 +29,6 @@ Matrix9 centre_gradient(const HexMesh& voxels, const VoxelMaterial& material,
   return gradient;
 }
 
-/// The symmetric part.
-SymmetricTensor symmetric(const Matrix9& a) {
-  return {a[0], a[4], a[8], (a[1] + a[3]) / 2, (a[5] + a[7]) / 2, (a[6] + a[2]) / 2};
-}
-
-/// Half the curl.
-Vec3d axial(const Matrix9& a) {
-  return {(a[7] - a[5]) / 2, (a[2] - a[6]) / 2, (a[3] - a[1]) / 2};
-}
-
-/// A B^T.
-Matrix9 times_transposed(const Matrix9& a, const Matrix9& b) {
-  Matrix9 out{};
-  for (std::size_t n = 0; n < 9; ++n) {
-    for (std::size_t m = 0; m < 3; ++m) out[n] += a[3 * (n / 3) + m] * b[3 * (n % 3) + m];
-  }
-  return out;
-}
-
 ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
                           const std::vector<double>& u_mm, std::int32_t element) {
   const Matrix9 gradient = centre_gradient(voxels, material, u_mm, element);
@@ -81,26 +62,15 @@ ElementState finite_state(const HexMesh& voxels, const VoxelMaterial& material,
                           const std::vector<double>& u_mm, std::int32_t element) {
   Matrix9 f = centre_gradient(voxels, material, u_mm, element);
   for (std::size_t n = 0; n < 9; n += 4) f[n] += 1;
-  const Matrix9 rotation = rotation_of(f);
-  ElementState out;
-  out.strain = symmetric(times_transposed(f, rotation));
-  for (int n = 0; n < 3; ++n) out.strain[n] -= 1;
-  const Vec3d sine = axial(rotation);
-  const double angle = std::atan2(sine.length(), (rotation[0] + rotation[4] + rotation[8] - 1) / 2);
-  out.rotation_rad = sine.length() > 0 ? sine * (angle / sine.length()) : Vec3d(0);
   const ElementEnergy energy = element_energy(voxels, material, u_mm, element);
+  ElementState out;
   out.volume_strain = energy.volume_change;
   out.energy_density_kpa = energy.density_kpa;
-  // sigma = mu J^(-5/3) dev(F F^T) + kappa (theta - 1) 1.
-  const double J = out.det_f = determinant_of(f, cofactors(f));
+  const double dilatation = material.matrix.dilatation == Dilatation::mean
+                                ? energy.volume_change
+                                : determinant_of(f, cofactors(f)) - 1;
   const std::uint8_t of = material.classes[element];
-  const double shear = material.moduli.shear[of] * std::pow(J, -5.0 / 3);
-  const double dilatation =
-      material.matrix.dilatation == Dilatation::mean ? energy.volume_change : J - 1;
-  const SymmetricTensor b = symmetric(times_transposed(f, f));
-  for (int n = 0; n < 6; ++n) out.stress_kpa[n] = shear * b[n];
-  const double volumetric = material.moduli.bulk[of] * dilatation - shear * trace(b) / 3;
-  for (int n = 0; n < 3; ++n) out.stress_kpa[n] += volumetric;
+  set_finite(f, material.moduli.shear[of], material.moduli.bulk[of] * dilatation, out);
   return out;
 }
 

@@ -15,9 +15,6 @@ using namespace supple::test;
 
 namespace {
 
-constexpr TetElement kElements[] = {TetElement::linear, TetElement::nodal_pressure,
-                                    TetElement::quadratic};
-
 SolidMesh perturbed_block(double young_kpa, double poisson) {
   SolidMesh mesh = tet_block(Vec3i(3, 4, 2), Vec3d(30, 36, 18), 0.2);
   set_material(mesh, young_kpa, poisson);
@@ -63,7 +60,7 @@ double largest_force(const TetModel& model, const std::vector<double>& u) {
 }  // namespace
 
 TEST(PropertyTetElements, APatchTakesTheConstantStrainOfItsBorder) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     for (const double poisson : {-0.2, 0.0, 0.3, 0.499}) {
       const TetModel model(perturbed_block(6, poisson), element);
       TetLoads loads;
@@ -81,7 +78,7 @@ TEST(PropertyTetElements, APatchTakesTheConstantStrainOfItsBorder) {
 }
 
 TEST(PropertyTetElements, RigidMotionsAndNoOthersCostNothing) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     SolidMesh mesh = tet_block(Vec3i(2, 1, 1), Vec3d(20, 12, 11), 0);
     mesh.nodes_lps_mm[3] += Vec3d(1, -2, 0.5);
     const TetModel model(mesh, element);
@@ -109,7 +106,7 @@ TEST(PropertyTetElements, RigidMotionsAndNoOthersCostNothing) {
 }
 
 TEST(UnitTetElements, EnergyIsThatOfTheStrainTimesTheVolume) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     const TetModel model(perturbed_block(6, 0.4), element);
     std::vector<double> u;
     for (const Vec3d& x : model.node_positions()) {
@@ -131,7 +128,7 @@ TEST(UnitTetElements, EnergyIsThatOfTheStrainTimesTheVolume) {
 }
 
 TEST(UnitTetElements, AFreeBodySwellsByPressureOverBulkModulusWithoutStress) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     const TetModel model(perturbed_block(6, 0.45), element);
     TetLoads loads;
     const auto at_corner = [](const Vec3d& x) { return x == Vec3d(0); };
@@ -155,7 +152,7 @@ TEST(UnitTetElements, AFreeBodySwellsByPressureOverBulkModulusWithoutStress) {
 
 // A gradient of pressure is a body force of minus that gradient, held by walls that let it slide.
 TEST(UnitTetElements, APressureThatGrowsAlongABoxMovesItAsTheBarOfThatLoad) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     SolidMesh mesh = tet_block(Vec3i(12, 2, 2), Vec3d(60, 10, 10));
     set_material(mesh, 6, 0);
     const TetModel model(mesh, element);
@@ -182,7 +179,7 @@ TEST(UnitTetElements, APressureThatGrowsAlongABoxMovesItAsTheBarOfThatLoad) {
 
 // Ten nodes have the parabola of its displacement.
 TEST(UnitTetElements, AColumnHangsUnderItsOwnWeight) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     SolidMesh mesh = tet_block(Vec3i(1, 1, 8), Vec3d(10, 10, 80));
     set_material(mesh, 6, 0);
     const TetModel model(mesh, element);
@@ -203,7 +200,7 @@ TEST(UnitTetElements, AColumnHangsUnderItsOwnWeight) {
 }
 
 TEST(UnitTetElements, LoadsOnFacesAndInBodiesAddUpAndBalanceReactions) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     const TetModel model(perturbed_block(6, 0.3), element);
     EXPECT_NEAR(model.area_of_faces("surface"), 2 * (30 * 36 + 36 * 18 + 18 * 30), 1e-9);
     TetLoads loads;
@@ -226,7 +223,7 @@ TEST(UnitTetElements, LoadsOnFacesAndInBodiesAddUpAndBalanceReactions) {
 }
 
 TEST(PropertyTetElements, ConjugateGradientsAndFactorsAgreeOnAnyNumberOfThreads) {
-  for (const TetElement element : kElements) {
+  for (const TetElement element : kTetElements) {
     SolidMesh mesh = tet_ball(4, 70);
     set_material(mesh, 6, 0.45);
     TetLoads loads;

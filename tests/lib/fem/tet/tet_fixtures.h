@@ -13,6 +13,8 @@ namespace supple::test {
 
 /// Rounding of patch tests.
 constexpr double kRounding = 1e-12;
+constexpr TetElement kTetElements[] = {TetElement::linear, TetElement::nodal_pressure,
+                                       TetElement::quadratic};
 /// Exact factors, to rounding.
 TetParams exact_params();
 

@@ -65,7 +65,8 @@ SolidMesh ball_of_tets(int n, double poisson) {
 std::string TetRow::name() const {
   return std::string("tets/") + kElementNames[int(element)] + "/" + std::to_string(size) + "/" +
          number_text(poisson) + (has_dura ? "/dura" : "") +
-         (equations == TetEquations::factor ? "/factor" : "");
+         (equations == TetEquations::factor ? "/factor" : "") +
+         (strain == StrainTheory::finite ? "/finite" : "");
 }
 
 std::vector<TetRow> tet_rows(bool quick) {
@@ -80,7 +81,9 @@ std::vector<TetRow> tet_rows(bool quick) {
           {Element::nodal_pressure, by_gradients, 18, 0.47, true},
           {Element::nodal_pressure, by_gradients, 18, 0.499, false},
           {Element::nodal_pressure, by_factor, 18, 0.499, false},
-          {Element::quadratic, by_gradients, 18, 0.3, false}};
+          {Element::quadratic, by_gradients, 18, 0.3, false},
+          {Element::linear, by_gradients, 18, 0.47, true, StrainTheory::finite},
+          {Element::nodal_pressure, by_gradients, 18, 0.47, true, StrainTheory::finite}};
 }
 
 BenchRow measure_tets(const TetRow& row, int rounds, int threads, Progress& cancel) {
@@ -92,6 +95,7 @@ BenchRow measure_tets(const TetRow& row, int rounds, int threads, Progress& canc
   loads.swelling_kpa.assign(mesh.tets.size(), kSwellingKpa);
   TetParams params;
   params.equations = row.equations;
+  params.strain = row.strain;
   TetSolution solution;
   Times assembly, times, cpu;
   for (int round = 0; round < rounds; ++round) {
@@ -119,6 +123,7 @@ BenchRow measure_tets(const TetRow& row, int rounds, int threads, Progress& canc
   fields["poisson"] = row.poisson;
   fields["dura"] = row.has_dura;
   fields["solver"] = row.equations == TetEquations::factor ? "factor" : "gradients";
+  fields["strain"] = row.strain == StrainTheory::finite ? "finite" : "linear";
   fields["iterations"] = report.iterations;
   fields["residual_max"] = report.residual_max;
   fields["force_balance"] = report.force_balance;

@@ -15,8 +15,9 @@ struct TetRow {
   int size = 18;  // cubes along an axis, each cut into six, pulled onto spheres
   double poisson = 0.3;
   bool has_dura = false;  // 2.5 MPa, nu = 0.48, 0.6 mm
+  StrainTheory strain = StrainTheory::linear;
 
-  /// tets/element/size/nu, with /dura or /factor behind it.
+  /// tets/element/size/nu, with /dura, /factor or /finite behind it.
   std::string name() const;
 };
 
