@@ -2,6 +2,7 @@
 // and the path of loads see it: nodes, pieces, and sums of stiffness and mass.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -29,6 +30,9 @@ class ElasticSolid {
   /// Positions at rest in LPS mm of all nodes, or of these alone, which ascend.
   virtual std::vector<Vec3d> node_positions() const = 0;
   virtual std::vector<Vec3d> node_positions(const std::vector<NodeIndex>& nodes) const = 0;
+  /// Axes of the turns, of unit length, that the components of the last nodes are where these have
+  /// no displacement; 0 for a component that is nothing.
+  virtual std::vector<std::array<Vec3d, 3>> turn_axes() const { return {}; }
   virtual NodePieces node_pieces() const = 0;
   /// Counts the loose islands and, if asked, holds all their nodes where they are.
   virtual LooseCount hold_loose(bool holds, HeldBits& held) const = 0;

@@ -98,6 +98,8 @@ struct Vibration {
   Vibration& operator=(const Vibration&) = delete;
 
   std::size_t size() const { return 3 * held.size(); }
+  /// Values of nodes that have displacements; turns follow.
+  std::size_t displacements() const { return size() - 3 * solid.turn_axes().size(); }
 
   /// K u.
   void apply(const std::vector<double>& u, std::vector<double>& forces) const {
@@ -108,11 +110,12 @@ struct Vibration {
   /// x^T K x / x^T M x of the even stretches along the axes, without rigid motions.
   double least_quotient_of_strains() const {
     const std::vector<Vec3d> positions = solid.node_positions();
+    const std::size_t places = displacements() / 3;
     double least = 0;
     std::vector<double> u(size()), scratch, forces;
     for (int axis = 0; axis < 3; ++axis) {
       std::fill(u.begin(), u.end(), 0.0);
-      for (std::size_t n = 0; n < positions.size(); ++n) {
+      for (std::size_t n = 0; n < places; ++n) {
         u[3 * n + std::size_t(axis)] = positions[n][axis];
       }
       rigid->remove_from(u.data(), scratch);
@@ -282,9 +285,10 @@ void find_late_modes(Vibration& of, std::int64_t free_dimensions, const ModePara
 }
 
 void tell_participation(const Vibration& of, std::vector<VibrationMode>& modes) {
+  const std::size_t displacements = of.displacements();
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<double> along(of.size(), 0.0);
-    for (std::size_t n = std::size_t(axis); n < along.size(); n += 3) along[n] = 1;
+    for (std::size_t n = std::size_t(axis); n < displacements; n += 3) along[n] = 1;
     const std::vector<double> inertia = of.mass_matrix.times(along);
     of.report.mass_kg = dot(along.data(), inertia.data(), of.size());
     for (VibrationMode& mode : modes) {

@@ -7,7 +7,10 @@
 namespace supple {
 
 RigidMotions::RigidMotions(const ElasticSolid& solid, const MassMatrix& mass)
-    : m_mass(mass), m_positions(solid.node_positions()) {
+    : m_mass(mass),
+      m_positions(solid.node_positions()),
+      m_turn_axes(solid.turn_axes()),
+      m_first_turn(m_positions.size() - m_turn_axes.size()) {
   NodePieces pieces = solid.node_pieces();
   m_piece_of = std::move(pieces.of_node);
   m_pieces.resize(std::size_t(pieces.count));
@@ -40,6 +43,11 @@ std::size_t RigidMotions::bytes() const {
 
 /// Three translations, and turns about the piece's centre.
 Vec3d RigidMotions::motion_at(std::size_t node, const Coefficients& of) const {
+  if (node >= m_first_turn) {
+    const auto& [a, b, c] = m_turn_axes[node - m_first_turn];
+    const Vec3d turn(of[3], of[4], of[5]);
+    return {turn.dot(a), turn.dot(b), turn.dot(c)};
+  }
   const Vec3d arm = m_positions[node] - m_pieces[std::size_t(m_piece_of[node])].centre_mm;
   return Vec3d(of[0], of[1], of[2]) + Vec3d(of[3], of[4], of[5]).cross(arm);
 }
@@ -50,9 +58,14 @@ std::vector<RigidMotions::Coefficients> RigidMotions::products_with(const double
   for (std::size_t n = 0; n < m_positions.size(); ++n) {
     const std::size_t p = std::size_t(m_piece_of[n]);
     const Vec3d f(force[3 * n], force[3 * n + 1], force[3 * n + 2]);
-    const Vec3d moment = (m_positions[n] - m_pieces[p].centre_mm).cross(f);
+    const bool is_turn = n >= m_first_turn;
+    Vec3d moment = (m_positions[n] - m_pieces[p].centre_mm).cross(f);
+    if (is_turn) {
+      const auto& [a, b, c] = m_turn_axes[n - m_first_turn];
+      moment = a * f.x + b * f.y + c * f.z;
+    }
     for (int a = 0; a < 3; ++a) {
-      sums[p][a] += f[a];
+      sums[p][a] += is_turn ? 0 : f[a];
       sums[p][3 + a] += moment[a];
     }
   }

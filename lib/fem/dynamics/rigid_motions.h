@@ -2,6 +2,7 @@
 // vector without them is M-orthogonal to all.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -32,6 +33,8 @@ class RigidMotions {
 
   const MassMatrix& m_mass;
   std::vector<Vec3d> m_positions;
+  std::vector<std::array<Vec3d, 3>> m_turn_axes;  // of the last nodes
+  std::size_t m_first_turn = 0;
   std::vector<std::int32_t> m_piece_of;  // per node
   std::vector<Piece> m_pieces;
 };

@@ -120,7 +120,7 @@ TriangleMatrix triangle_stiffness(const std::array<Vec3d, 3>& corners, const Ela
 ShellTriangles::ShellTriangles(const std::vector<ElasticSheet>& sheets,
                                const std::vector<Triangle>& triangles,
                                const std::vector<Vec3d>& positions)
-    : m_sheets(sheets), m_triangles(triangles) {
+    : m_first_node(NodeIndex(positions.size())), m_sheets(sheets), m_triangles(triangles) {
   const auto edge_of = [](const Triangle& triangle, std::size_t e) {
     const NodeIndex a = triangle.corners[e], b = triangle.corners[(e + 1) % 3];
     return std::array<NodeIndex, 2>{std::min(a, b), std::max(a, b)};
@@ -133,7 +133,6 @@ ShellTriangles::ShellTriangles(const std::vector<ElasticSheet>& sheets,
   }
   std::sort(m_edges.begin(), m_edges.end());
   m_edges.erase(std::unique(m_edges.begin(), m_edges.end()), m_edges.end());
-  const NodeIndex first_node = NodeIndex(positions.size());
   for (std::size_t n = 0; n < m_triangles.size(); ++n) {
     const Triangle& triangle = m_triangles[n];
     const ElasticSheet& sheet = m_sheets[std::size_t(triangle.sheet)];
@@ -150,7 +149,7 @@ ShellTriangles::ShellTriangles(const std::vector<ElasticSheet>& sheets,
       const std::array<NodeIndex, 2> edge = edge_of(triangle, e);
       edges[e] =
           std::int32_t(std::lower_bound(m_edges.begin(), m_edges.end(), edge) - m_edges.begin());
-      nodes[3 + e] = first_node + edges[e] / 3;
+      nodes[3 + e] = m_first_node + edges[e] / 3;
       if (edge[0] == triangle.corners[e]) continue;
       for (std::size_t m = 0; m < 12; ++m) {
         matrix[9 + e][m] = -matrix[9 + e][m];
@@ -162,6 +161,7 @@ ShellTriangles::ShellTriangles(const std::vector<ElasticSheet>& sheets,
     m_matrices.push_back(matrix);
   }
 }
+
 ShellTriangles ShellTriangles::bending_alone(const std::vector<Vec3d>& positions) const {
   std::vector<Triangle> bending;
   std::copy_if(m_triangles.begin(), m_triangles.end(), std::back_inserter(bending),
@@ -173,12 +173,13 @@ ShellTriangles ShellTriangles::bending_alone(const std::vector<Vec3d>& positions
   return ShellTriangles(sheets, bending, positions);
 }
 
-
 void ShellTriangles::add_to(BlockCsr& matrix, const std::vector<double>& parts,
                             const std::vector<double>& inertia) const {
   matrix.add_sets(m_sets, [&](std::size_t n, std::int32_t at, Matrix9* blocks) {
     const std::size_t sheet = std::size_t(m_triangles[n].sheet);
-    const double mass = inertia[sheet] * m_sheets[sheet].thickness_mm * m_areas[n] / 12;
+    const double thickness = m_sheets[sheet].thickness_mm;
+    const double mass = inertia[sheet] * thickness * m_areas[n] / 12;
+    const double turning = mass * thickness * thickness / 3;
     // Unknown of the triangle that is component c of its node; 12: none.
     const auto unknown = [&](std::size_t node, std::size_t c) {
       if (node < 3) return 3 * node + c;
@@ -194,8 +195,27 @@ void ShellTriangles::add_to(BlockCsr& matrix, const std::vector<double>& parts,
         }
         if (a < 3 && b < 3) block[4 * i] += mass * (a == b ? 2 : 1);
       }
+      if (a >= 3 && a == b) block[4 * std::size_t(m_edges_of[n][a - 3] % 3)] += turning;
       blocks[b] = block;
     }
+  });
+  fill_last_node(matrix);
+}
+
+void ShellTriangles::fill_last_node(BlockCsr& matrix) const {
+  const std::size_t used = m_edges.size() % 3;
+  if (used == 0) return;
+  NodeSets last;
+  const NodeIndex node = m_first_node + NodeIndex(turn_node_count()) - 1;
+  last.add(&node, 1);
+  const auto& columns = matrix.columns();
+  const auto row = columns.begin() + matrix.begin()[std::size_t(node)];
+  const auto end = columns.begin() + matrix.begin()[std::size_t(node) + 1];
+  const std::size_t slot = std::size_t(std::lower_bound(row, end, node) - columns.begin());
+  const double like = matrix.blocks()[slot][4 * (used - 1)];
+  matrix.add_sets(last, [&](std::size_t, std::int32_t, Matrix9* blocks) {
+    blocks[0] = Matrix9{};
+    for (std::size_t c = used; c < 3; ++c) blocks[0][4 * c] = like;
   });
 }
 

@@ -77,7 +77,10 @@ class ShellTriangles {
   const NodeSets& sets() const { return m_sets; }
   double area_mm2(std::size_t triangle) const { return m_areas[triangle]; }
 
-  /// Adds the stiffness times a part per sheet, and inertia per sheet in mN/mm^4.
+  /// Adds the stiffness times a part per sheet, and inertia per sheet in mN/mm^4: the consistent
+  /// mass of the corners, and of an edge's turn the rotary inertia h^3/12 of a third of its
+  /// triangles. Components of the last node that are no edge's turn are alone, and as the last
+  /// edge's turn is.
   void add_to(BlockCsr& matrix, const std::vector<double>& parts,
               const std::vector<double>& inertia) const;
   /// Stretch of each triangle from its displaced corners: its area by that at rest.
@@ -85,6 +88,9 @@ class ShellTriangles {
   std::size_t bytes() const;
 
  private:
+  void fill_last_node(BlockCsr& matrix) const;
+
+  NodeIndex m_first_node = 0;
   std::vector<ElasticSheet> m_sheets;
   std::vector<Triangle> m_triangles;
   std::vector<TriangleMatrix> m_matrices;

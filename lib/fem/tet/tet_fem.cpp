@@ -187,6 +187,15 @@ std::vector<Vec3d> TetModel::node_positions(const std::vector<NodeIndex>& nodes)
   return out;
 }
 
+std::vector<std::array<Vec3d, 3>> TetModel::turn_axes() const {
+  std::vector<std::array<Vec3d, 3>> out(m_shells.turn_node_count(), {Vec3d(0), Vec3d(0), Vec3d(0)});
+  for (std::size_t e = 0; e < m_shells.edges().size(); ++e) {
+    const auto [a, b] = m_shells.edges()[e];
+    out[e / 3][e % 3] = (m_positions[std::size_t(b)] - m_positions[std::size_t(a)]).normalized();
+  }
+  return out;
+}
+
 NodePieces TetModel::node_pieces() const {
   NodePieces pieces;
   pieces.of_node.assign(m_positions.size(), -1);

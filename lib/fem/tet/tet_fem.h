@@ -89,6 +89,7 @@ class TetModel final : public ElasticSolid {
   /// Positions at rest; a node of turns has the middle of its first edge.
   std::vector<Vec3d> node_positions() const override { return m_positions; }
   std::vector<Vec3d> node_positions(const std::vector<NodeIndex>& nodes) const override;
+  std::vector<std::array<Vec3d, 3>> turn_axes() const override;
   NodePieces node_pieces() const override;
   LooseCount hold_loose(bool holds, HeldBits& held) const override;
   const Operator& matrix() const override { return m_stiffness; }

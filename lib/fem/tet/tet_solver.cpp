@@ -123,10 +123,6 @@ NodalLoads TetModel::nodal_loads(const TetLoads& loads, StrainTheory strain) con
   out.u_mm.assign(unknowns, 0);
   out.force_mn.assign(unknowns, 0);
   for (const TetHeld& held : loads.held) hold(held, out);
-  // Components of the last node that are no edge's turn.
-  for (std::size_t e = m_shells.edges().size(); e < 3 * m_shells.turn_node_count(); ++e) {
-    out.held[place_count() + e / 3] |= std::uint8_t(1 << e % 3);
-  }
   for (const TetForce& force : loads.forces) {
     require_place(force.node, "forces");
     for (int a = 0; a < 3; ++a) {
