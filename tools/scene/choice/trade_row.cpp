@@ -4,6 +4,7 @@
 #include <charconv>
 #include <functional>
 
+#include "volumes/base/csv.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 
@@ -105,51 +106,19 @@ const std::vector<Column>& columns_of_rows() {
   return columns;
 }
 
-/// Writes a field as RFC 4180 says: quoted where it has to be, quotes doubled.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + '"';
-}
-
 template <class Text>
-std::string csv_line(const Text& text_of) {
-  std::string line;
-  for (const Column& column : columns_of_rows()) {
-    line += (line.empty() ? "" : ",") + csv_field(text_of(column));
-  }
-  return line + '\n';
-}
-
-/// The fields of the line at `at`, which goes to the next one.
-std::vector<std::string> take_line(const std::string& text, std::size_t& at) {
-  std::vector<std::string> fields(1);
-  bool is_quoted = false;
-  for (; at < text.size(); ++at) {
-    const char c = text[at];
-    if (is_quoted && c == '"' && at + 1 < text.size() && text[at + 1] == '"') {
-      fields.back() += text[++at];
-    } else if (c == '"') {
-      is_quoted = !is_quoted;
-    } else if (!is_quoted && c == ',') {
-      fields.emplace_back();
-    } else if (!is_quoted && c == '\n') {
-      ++at;
-      break;
-    } else {
-      fields.back() += c;
-    }
-  }
-  return fields;
+std::string line_of(const Text& text_of) {
+  std::vector<std::string> fields;
+  for (const Column& column : columns_of_rows()) fields.push_back(text_of(column));
+  return csv_line(fields);
 }
 
 }  // namespace
 
 std::string to_csv(const std::vector<TradeRow>& rows) {
-  std::string text = csv_line([](const Column& column) { return column.name; });
+  std::string text = line_of([](const Column& column) { return column.name; });
   for (const TradeRow& row : rows) {
-    text += csv_line([&row](const Column& column) { return column.get(row); });
+    text += line_of([&row](const Column& column) { return column.get(row); });
   }
   return text;
 }
@@ -159,7 +128,7 @@ std::vector<TradeRow> rows_from_csv(const std::string& text, const std::string& 
   std::vector<TradeRow> rows;
   std::size_t at = 0;
   for (int line = 1; at < text.size(); ++line) {
-    const std::vector<std::string> fields = take_line(text, at);
+    const std::vector<std::string> fields = take_csv_line(text, at);
     const std::string place = file + ':' + std::to_string(line);
     if (fields.size() != columns.size()) {
       throw InputError({place, "", with_count(std::int64_t(fields.size()), "column"),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "lib/session/fem/motion_step.h"
+#include "volumes/base/csv.h"
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"
 #include "volumes/base/text.h"
@@ -49,13 +50,6 @@ class HandleWays {
   std::array<Vec3d, 3> m_axes;
   std::map<std::string, Vec3d> m_ways;
 };
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-  return quoted + "\"";
-}
 
 std::string csv_vector(const Vec3d& v) {
   return "," + to_text(v);
