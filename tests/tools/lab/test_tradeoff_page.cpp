@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/program.h"
-#include "tools/lab/tradeoff/page/template.h"
-#include "tools/lab/tradeoff/page/trade_chart.h"
 #include "tools/lab/tradeoff/page/trade_page.h"
+#include "tools/scene/chart/chart.h"
+#include "tools/scene/chart/template.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -22,8 +22,9 @@ std::size_t times_in(const std::string& text, const std::string& word) {
   return count;
 }
 
-LogChart small_chart() {
-  LogChart chart;
+Chart small_chart() {
+  Chart chart;
+  chart.x_kind = chart.y_kind = AxisSteps::decades;
   chart.x_name = "time, s";
   chart.y_name = "error <mm> & \"more\"";
   chart.floor_name = "floor";

@@ -1,5 +1,5 @@
-// Work-precision diagrams as SVG: both axes logarithmic, one curve per method, the front of all
-// points drawn through, and at the edges what has no place in the diagram.
+// Diagrams of curves as SVG: axes in even steps, in decades or of words. Those of trade-offs also
+// have a front of all points drawn through, a floor, and at the edges what has no place in them.
 #pragma once
 
 #include <string>
@@ -27,17 +27,24 @@ struct ChartMiss {
   std::string tip, link;
 };
 
-struct LogChart {
+/// Steps of an axis. Values on one of words are the places in its list of words, from 0; values on
+/// one of decades are above 0.
+enum class AxisSteps { even, decades, words };
+
+struct Chart {
   std::string x_name, y_name, floor_name;
+  AxisSteps x_kind = AxisSteps::even, y_kind = AxisSteps::even;  // y: even or decades
+  std::vector<std::string> x_words;
+  std::string legend;  // over the names of the curves
   std::vector<ChartCurve> curves;
   std::vector<ChartMiss> misses;
   std::vector<ChartPoint> front;  // by ascending x
-  double floor = 0;               // no y is told apart from it below; above 0
+  double floor = 0;               // no y is told apart from it below; above 0, or there is none
 };
 
 /// An element `svg` for the page, which has its style; names and tips are escaped.
-std::string to_svg(const LogChart& chart);
+std::string to_svg(const Chart& chart);
 /// The same as a file of its own, with its style and without links.
-std::string to_svg_file(const LogChart& chart);
+std::string to_svg_file(const Chart& chart);
 
 }  // namespace supple::tools

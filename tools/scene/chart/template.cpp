@@ -1,13 +1,38 @@
-#include "tools/lab/tradeoff/page/template.h"
+#include "tools/scene/chart/template.h"
 
 #include <cstdio>
 #include <stdexcept>
 
-#include "tools/lab/tradeoff/page/page_text.h"
-
 namespace supple::tools {
 
 namespace {
+
+/// Text for HTML and XML: & < > " ' as entities, control characters but for ends of lines as ?.
+std::string html_text(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      case '\'':
+        safe += "&#39;";
+        break;
+      default:
+        safe += (c >= 0 && c < 0x20 && c != '\n') ? '?' : c;
+    }
+  }
+  return safe;
+}
 
 bool is_there(const Value& value) {
   if (value.is_text()) return !value.text().empty();

@@ -7,9 +7,6 @@
 
 namespace supple::tools {
 
-/// Text for HTML and XML: & < > " ' as entities, control characters but for ends of lines as ?.
-std::string html_text(const std::string& text);
-
 /// A number to three digits.
 std::string short_number(double value);
 /// "16 ms", "1.5 s", "2 min".

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "tools/lab/tradeoff/held_out.h"
-#include "tools/lab/tradeoff/page/chart_style.h"
 #include "tools/lab/tradeoff/page/page_template.h"
 #include "tools/lab/tradeoff/page/page_text.h"
-#include "tools/lab/tradeoff/page/template.h"
-#include "tools/lab/tradeoff/page/trade_chart.h"
+#include "tools/scene/chart/chart.h"
+#include "tools/scene/chart/chart_style.h"
+#include "tools/scene/chart/template.h"
 #include "tools/scene/pictures/jpeg.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
@@ -100,8 +100,9 @@ ChartPoint chart_point(const TradeResults& results, std::size_t r) {
   return {time.median, time.least, time.most, row.error(), tip_of(row), '#' + row_id(r)};
 }
 
-LogChart chart_of(const TradeResults& results, const SceneCurves& curves) {
-  LogChart chart;
+Chart chart_of(const TradeResults& results, const SceneCurves& curves) {
+  Chart chart;
+  chart.x_kind = chart.y_kind = AxisSteps::decades;
   chart.x_name = curves.are_drawings ? "time of inverse and rendering, s" : "time of solving, s";
   chart.y_name = curves.are_drawings ? "1 - SSIM" : "error p95, mm";
   chart.floor_name = "floor of the reference";
