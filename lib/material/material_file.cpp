@@ -14,8 +14,15 @@ namespace {
 
 constexpr const char* kAxisNames = "ijk";
 
-std::optional<Curve> read_curve(Table& table, const std::string& key) {
-  const auto rows = table.rows(key, {2}, "a list of [density, value] pairs");
+constexpr const char* kCurveExpected = "a number or a list of [density, value] pairs";
+
+/// Reads key points, or a number for all densities of the domain.
+std::optional<Curve> read_curve(Table& table, const std::string& key, const LimitTable& limits) {
+  const Value* value = table.find(key);
+  if (value != nullptr && value->is_number()) {
+    return Curve{{{limits.domain_lo, *table.get<double>(key)}}};
+  }
+  const auto rows = table.rows(key, {2}, kCurveExpected);
   if (!rows) return std::nullopt;
   if (rows->empty()) table.fail(key, "an empty list", "at least one [density, value] pair");
   Curve curve;
@@ -142,32 +149,32 @@ LimitTable read_preset(Table& table, const LimitTable& limits, const MaterialTab
 
 /// Reads curves over the domain of `limits`.
 void read_curves(Table& table, LimitTable& limits, const MaterialTable* tissue = nullptr) {
-  const std::string pairs = "a list of [density, value] pairs";
   const LimitTable preset = read_preset(table, limits, tissue);
   const auto or_else = [](std::optional<Curve> curve, const Curve& of_preset) {
     return curve || of_preset.keys.empty() ? std::move(curve) : std::optional<Curve>(of_preset);
   };
   const auto required = [&](const std::string& key, const Curve& of_preset) {
-    return table.require(or_else(read_curve(table, key), of_preset), key, pairs);
+    return table.require(or_else(read_curve(table, key, limits), of_preset), key, kCurveExpected);
   };
   limits.max_length = required("max_length", preset.max_length);
   limits.min_length = required("min_length", preset.min_length);
-  const auto shear = read_curve(table, "shear");
-  const auto shear1 = read_curve(table, "shear1");
-  const auto shear2 = read_curve(table, "shear2");
+  const auto shear = read_curve(table, "shear", limits);
+  const auto shear1 = read_curve(table, "shear1", limits);
+  const auto shear2 = read_curve(table, "shear2", limits);
   if (shear && (shear1 || shear2)) {
     table.fail("shear", "shear beside shear1 or shear2", "either shear or both shear1 and shear2");
   }
   limits.shear1 = table.require(or_else(shear ? shear : shear1, preset.shear1),
-                                shear2 ? "shear1" : "shear", pairs);
-  limits.shear2 = table.require(or_else(shear ? shear : shear2, preset.shear2), "shear2", pairs);
+                                shear2 ? "shear1" : "shear", kCurveExpected);
+  limits.shear2 =
+      table.require(or_else(shear ? shear : shear2, preset.shear2), "shear2", kCurveExpected);
   for (int axis = 0; axis < 3; ++axis) {
     const std::string suffix = std::string("_") + kAxisNames[axis];
-    limits.max_length_axis[axis] = read_curve(table, "max_length" + suffix);
-    limits.min_length_axis[axis] = read_curve(table, "min_length" + suffix);
+    limits.max_length_axis[axis] = read_curve(table, "max_length" + suffix, limits);
+    limits.min_length_axis[axis] = read_curve(table, "min_length" + suffix, limits);
   }
   for (const PhysicalColumn& column : kPhysicalColumns) {
-    limits.*column.curve = read_curve(table, column.name);
+    limits.*column.curve = read_curve(table, column.name, limits);
     if (!(limits.*column.curve)) limits.*column.curve = preset.*column.curve;
   }
 }

@@ -137,8 +137,8 @@ TEST_F(FaultMaterialColumns, WrongColumnsAreRefusedByNameAndUnit) {
   expect_refused(brain + "[label.3]\npreset = \"bone\"\ndensty = [[0, 6]]\n",
                  "4: label.3.densty: found an unknown key, expected a known one: did you mean "
                  "'density'?");
-  expect_refused(brain + "damping = 3\n",
-                 "2: damping: found 3, expected a list of [density, value] pairs");
+  expect_refused(brain + "damping = true\n",
+                 "2: damping: found true, expected a number or a list of [density, value] pairs");
   expect_refused(brain + "plastic = []\n",
                  "2: plastic: found an empty list, expected at least one [density, value] pair");
   expect_refused(brain + "stiffness = [[0, 0]]\n",
@@ -148,5 +148,5 @@ TEST_F(FaultMaterialColumns, WrongColumnsAreRefusedByNameAndUnit) {
 }
 
 TEST_F(FaultMaterialColumns, WithoutAPresetTheLimitsAreStillRequired) {
-  expect_refused("stiffness = [[0, 6]]\n", "1: max_length: found nothing, expected a list");
+  expect_refused("stiffness = [[0, 6]]\n", "1: max_length: found nothing, expected a number or a list");
 }
