@@ -124,22 +124,8 @@ void Console::clear_line() {
   m_line_open = false;
 }
 
-void Console::finish_stage() {
-  if (m_stage.empty()) return;
-  const double seconds = std::chrono::duration<double>(Clock::now() - m_stage_start).count();
-  for (auto& [name, sum] : m_seconds) {
-    if (name == m_stage) {
-      sum += seconds;
-      m_stage.clear();
-      return;
-    }
-  }
-  m_seconds.emplace_back(m_stage, seconds);
-  m_stage.clear();
-}
-
 void Console::stage(std::string_view name) {
-  finish_stage();
+  m_times.begin(name);
   clear_line();
   m_stage = name;
   m_stage_start = m_last_print = Clock::now();
@@ -171,8 +157,8 @@ void Console::show_progress(double fraction, Clock::time_point now) {
 }
 
 std::vector<std::pair<std::string, double>> Console::stage_seconds() {
-  finish_stage();
-  return m_seconds;
+  m_times.end();
+  return m_times.seconds();
 }
 
 }  // namespace supple::tools

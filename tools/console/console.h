@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/scene/run/stage_times.h"
 #include "volumes/base/files.h"
 #include "volumes/base/progress.h"
 #include "volumes/base/text.h"
@@ -61,7 +62,6 @@ class Console final : public Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void finish_stage();
   void show_progress(double fraction, Clock::time_point now);
   void print(LogLevel level, const char* prefix, const std::string& line);
   void print_once(LogLevel level, const char* prefix, const std::string& line);
@@ -76,8 +76,8 @@ class Console final : public Progress {
   bool m_line_open = false;
   std::string m_stage;
   Clock::time_point m_stage_start;
+  StageTimes m_times;
   Clock::time_point m_last_print;
-  std::vector<std::pair<std::string, double>> m_seconds;
 };
 
 /// The text without characters that would end the line or steer a terminal, such as a damaged

@@ -50,6 +50,10 @@ double peak_rss_mb() {
   return status_mb("VmHWM:");
 }
 
+void restart_peak_rss() {
+  std::ofstream("/proc/self/clear_refs") << 5;
+}
+
 double peak_rss_of_children_mb() {
   rusage usage{};
   ::getrusage(RUSAGE_CHILDREN, &usage);

@@ -18,6 +18,9 @@ double rss_mb();
 /// started it does not count.
 double peak_rss_mb();
 
+/// Lets peak_rss_mb() begin anew, at the present size, where the system allows it.
+void restart_peak_rss();
+
 /// The largest resident size of the programs which it has run, up to the present.
 double peak_rss_of_children_mb();
 

@@ -15,7 +15,7 @@
 #include "tools/scene/plan/plan_text.h"
 #include "tools/scene/plan/scene_plan.h"
 #include "tools/scene/run/film_record.h"
-#include "tools/scene/run/reports.h"
+#include "tools/scene/run/run_report.h"
 #include "tools/scene/run/scene_files.h"
 #include "tools/scene/run/scene_run.h"
 #include "volumes/base/json.h"
@@ -67,20 +67,7 @@ void print_results(const SceneRun& run, const Scene& scene, const RunSceneOption
       json["outcome"] = outcome_json(*scene_plan, outcome);
     }
     if (choice) json["chosen"] = choice_json(*choice, solve_s);
-    json["steps"] = Value::List();
-    if (run.session() != nullptr) {
-      for (const StepRecord& record : run.session()->records()) {
-        json["steps"].push_back(to_value(record));
-      }
-      const RigidPieces& pieces = run.session()->body().rigid;
-      if (!pieces.empty()) json["rigid_pieces"] = to_value(pieces);
-    }
-    if (run.certificate() != nullptr) json["certificate"] = to_value(*run.certificate());
-    for (const auto& [name, seconds] : stages) json["stage_seconds"][name] = seconds;
-    json["peak_rss_mb"] = std::max(peak_rss_mb(), peak_rss_of_children_mb());
-    for (const std::string& name : scene.outputs()) {
-      json["outputs"].push_back(path_in(options.folder, name));
-    }
+    json.update(run_report(run, scene, options.folder, stages));
     std::printf("%s\n", json_text(json, 2).c_str());
     return;
   }

@@ -79,6 +79,11 @@ void OutputPlan::add_table(const std::string& path) {
   add_file(path);
 }
 
+void OutputPlan::add_chart(const std::string& path) {
+  require_extension(path, ".svg");
+  add_file(path);
+}
+
 void OutputPlan::add_like(const std::string& path, const std::string& input) {
   require_extension(path, std::filesystem::path(input).extension().string());
   add_file(path);

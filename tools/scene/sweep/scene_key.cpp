@@ -1,0 +1,162 @@
+#include "tools/scene/sweep/scene_key.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "volumes/base/error.h"
+#include "volumes/base/text.h"
+#include "volumes/base/toml.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr const char* kPathExpected =
+    "a key of the scene such as step[2].fem.pressures.pressure_kpa";
+
+bool is_bare(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+}
+
+void forget_lines(Value& value) {
+  value.line = 0;
+  for (const Value& item : value.items()) forget_lines(const_cast<Value&>(item));
+  for (const auto& [key, entry] : value.entries()) forget_lines(const_cast<Value&>(entry));
+}
+
+/// A table that only names a file becomes what is in it.
+void take_file_in(Value& table, const std::string& scene_file) {
+  const Value* name = table.find("table");
+  if (table.size() != 1 || name == nullptr || !name->is_text()) return;
+  const std::filesystem::path folder = std::filesystem::path(scene_file).parent_path();
+  Value inside = read_toml((folder / name->text()).string());
+  forget_lines(inside);
+  table = std::move(inside);
+}
+
+/// The number that a text is, or 0.
+std::size_t number_of(const std::string& text) {
+  const bool are_digits =
+      std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+  return are_digits && !text.empty() && text.size() < 9 ? std::size_t(std::stoul(text)) : 0;
+}
+
+}  // namespace
+
+SceneKey::SceneKey(const std::string& text) : m_text(text) {
+  const auto refuse = [&] {
+    throw UsageError(to_line({"", "--vary", "'" + text + "'", kPathExpected}));
+  };
+  for (std::size_t at = 0;;) {
+    const std::size_t end = add_part(at);
+    if (end == std::string::npos) refuse();
+    if (end == m_text.size()) return;
+    if (m_text[end] != '.') refuse();
+    at = end + 1;
+  }
+}
+
+/// Reads a part; returns the place behind it, npos where there is none.
+std::size_t SceneKey::add_part(std::size_t at) {
+  Part part;
+  if (m_text.compare(at, 1, "\"") == 0) {
+    const std::size_t end = m_text.find('"', at + 1);
+    if (end == std::string::npos) return end;
+    part.name = m_text.substr(at + 1, end - at - 1);
+    at = end + 1;
+  } else {
+    while (at < m_text.size() && is_bare(m_text[at])) part.name += m_text[at++];
+  }
+  if (part.name.empty()) return std::string::npos;
+  if (m_text.compare(at, 1, "[") == 0) {
+    const std::size_t end = m_text.find(']', at);
+    if (end == std::string::npos || end == at + 1) return std::string::npos;
+    part.which = m_text.substr(at + 1, end - at - 1);
+    at = end + 1;
+  }
+  m_parts.push_back(part);
+  return at;
+}
+
+std::string SceneKey::name_until(std::size_t part) const {
+  std::string name;
+  for (std::size_t n = 0; n <= part; ++n) {
+    const std::string& which = m_parts[n].which;
+    name += (n > 0 ? "." : "") + m_parts[n].name + (which.empty() ? "" : "[" + which + "]");
+  }
+  return name;
+}
+
+/// The items of a list that a part of the path means, or the value itself.
+std::vector<Value*> SceneKey::chosen(Value& child, std::size_t part,
+                                     const std::string& file) const {
+  const std::string& which = m_parts[part].which;
+  std::vector<Value*> found;
+  if (which.empty() && !child.is_list()) return {&child};
+  const std::size_t number = number_of(which);
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < child.items().size(); ++n) {
+    const Value* name = child.items()[n].find("name");
+    if (name != nullptr && name->is_text()) names.push_back(name->text());
+    const bool is_named = name != nullptr && *name == Value(which);
+    if (which.empty() || n + 1 == number || is_named) found.push_back(&child[n]);
+  }
+  if (!found.empty()) return found;
+  std::string expected = child.items().empty() ? "a list" : "1";
+  if (child.items().size() > 1) expected += " to " + std::to_string(child.size());
+  for (const std::string& name : names) expected += ", " + name;
+  throw InputError(
+      {file, name_until(part),
+       child.is_list() ? with_count(std::int64_t(child.size()), "item") : shown_text(child),
+       expected});
+}
+
+void SceneKey::find_ends(Value& table, std::size_t depth, const std::string& file,
+                         std::vector<End>& ends) const {
+  const Part& part = m_parts[depth];
+  if (part.name != "table") take_file_in(table, file);
+  if (!table.contains(part.name)) return ends.push_back({&table, depth});
+  if (depth + 1 == m_parts.size()) return ends.push_back({&table, depth + 1});
+  for (Value* item : chosen(table[part.name], depth, file)) {
+    if (!item->is_table()) {
+      throw InputError({file, name_until(depth), shown_text(*item),
+                        "a table that has " + m_parts[depth + 1].name});
+    }
+    find_ends(*item, depth + 1, file, ends);
+  }
+}
+
+void SceneKey::put(Value& table, std::size_t depth, const std::string& file,
+                   const Value& value) const {
+  Value* at = &table;
+  for (std::size_t n = depth; n < m_parts.size(); ++n) {
+    if (!m_parts[n].which.empty()) {
+      throw InputError({file, name_until(n), "no " + m_parts[n].name, "a list of them"});
+    }
+    Value& child = (*at)[m_parts[n].name];
+    child = n + 1 < m_parts.size() ? Value(Value::Entries()) : value;
+    at = &child;
+  }
+}
+
+void SceneKey::set(Value& root, const std::string& scene_file, const Value& value) const {
+  std::vector<End> ends;
+  find_ends(root, 0, scene_file, ends);
+  std::size_t deepest = 0;
+  for (const End& end : ends) deepest = std::max(deepest, end.depth);
+  const std::size_t last = m_parts.size() - 1;
+  for (const End& end : ends) {
+    if (end.depth < deepest) continue;
+    if (end.depth <= last) {
+      put(*end.table, end.depth, scene_file, value);
+    } else if (m_parts[last].which.empty()) {
+      (*end.table)[m_parts[last].name] = value;
+    } else {
+      for (Value* item : chosen((*end.table)[m_parts[last].name], last, scene_file)) *item = value;
+    }
+  }
+  root = sorted(std::move(root));
+}
+
+}  // namespace supple::tools

@@ -1,0 +1,49 @@
+// Paths of keys in a scene: material.poisson, step[2].tets.spacing,
+// step.fem.swellings[left].pressure_kpa, material.label."left ventricle".stiffness.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "volumes/base/value.h"
+
+namespace supple::tools {
+
+/// A key of a scene. A list of tables stands for each of its tables, with [N] for one of them,
+/// counted from 1 as errors of scenes do, and with [NAME] for those of that `name`.
+class SceneKey {
+ public:
+  /// Throws UsageError for a text that is no path.
+  explicit SceneKey(const std::string& text);
+
+  const std::string& text() const { return m_text; }
+
+  /// Sets the value wherever the key is; where it is nowhere, in all tables that could have it,
+  /// with the tables on the way: the reader of scenes then says whether it knows the key. `table =
+  /// FILE` of a material is replaced by what is in the file. Throws InputError, of `scene_file`,
+  /// for a table that is not there.
+  void set(Value& root, const std::string& scene_file, const Value& value) const;
+
+ private:
+  struct Part {
+    std::string name;
+    std::string which;  // within [ ]; empty: all
+  };
+  /// A table that has the first `depth` parts of the path.
+  struct End {
+    Value* table;
+    std::size_t depth;
+  };
+  std::size_t add_part(std::size_t at);
+  void find_ends(Value& table, std::size_t depth, const std::string& file,
+                 std::vector<End>& ends) const;
+  void put(Value& table, std::size_t depth, const std::string& file, const Value& value) const;
+  std::vector<Value*> chosen(Value& child, std::size_t part, const std::string& file) const;
+  std::string name_until(std::size_t part) const;
+
+  std::string m_text;
+  std::vector<Part> m_parts;
+};
+
+}  // namespace supple::tools

@@ -1,0 +1,253 @@
+#include "tools/scene/sweep/sweep.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <new>
+
+#include "lib/state/state_source.h"
+#include "tools/scene/plan/memory_need.h"
+#include "tools/scene/run/output_plan.h"
+#include "tools/scene/run/run_report.h"
+#include "volumes/base/error.h"
+#include "volumes/base/json.h"
+#include "volumes/base/memory.h"
+#include "volumes/base/sha256.h"
+#include "volumes/base/toml.h"
+#include "volumes/io/format/volume_file.h"
+
+namespace supple::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kLongestLabel = 100;
+
+/// Progress of one of many cases, which keeps the time of its stages.
+class CaseProgress final : public Progress {
+ public:
+  CaseProgress(std::string title, Progress& whole) : m_title(std::move(title)), m_whole(whole) {}
+  void stage(std::string_view name) override {
+    m_times.begin(name);
+    m_whole.stage(m_title + ", " + std::string(name));
+  }
+  void update(double fraction) override { m_whole.update(fraction); }
+  bool cancelled() const override { return m_whole.cancelled(); }
+  void warn(const std::string& line) override { m_whole.warn(line); }
+  void note(const std::string& line) override { m_whole.note(line); }
+  void debug(const std::string& line) override { m_whole.debug(line); }
+
+  const StageSeconds& seconds() {
+    m_times.end();
+    return m_times.seconds();
+  }
+
+ private:
+  std::string m_title;
+  Progress& m_whole;
+  StageTimes m_times;
+};
+
+/// A text as a part of a file's name.
+std::string in_name(std::string text) {
+  for (char& c : text) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-';
+    if (!is_plain) c = '_';
+  }
+  return text;
+}
+
+std::string digest_of_text(const std::string& text) {
+  return sha256_hex(text.data(), text.size()).substr(0, 32);
+}
+
+}  // namespace
+
+Sweep::Sweep(std::string scene_file, SweepCases cases, std::string pictures, Progress& progress)
+    : m_file(std::move(scene_file)),
+      m_cases(std::move(cases)),
+      m_pictures(std::move(pictures)),
+      m_root(read_toml(m_file)),
+      m_each(m_cases.size()) {
+  for (std::size_t n = 0; n < m_each.size(); ++n) {
+    poll(&progress);
+    read_case(n, progress);
+  }
+  // Of the scene as it is not all files need be there: it may name those of the first case.
+  std::set<std::string> inputs;
+  try {
+    inputs = inputs_of(m_root);
+  } catch (const Error&) {
+    inputs.clear();
+  }
+  m_scene_digest = digest_of(m_root, inputs);
+}
+
+void Sweep::read_case(std::size_t n, Progress& progress) {
+  try {
+    const Value root = m_cases.scene_of(n, m_root, m_file);
+    scene_of(n);
+    m_each[n].digest = digest_of(root, inputs_of(root));
+  } catch (const InputError& error) {
+    if (n == 0) throw;
+    m_each[n].fault = error.what();
+    progress.warn("case " + std::to_string(n + 1) + " (" + m_cases.title(n) +
+                  ") will not be run: " + error.what());
+  }
+}
+
+Scene Sweep::scene_of(std::size_t n) const {
+  Scene scene = read_scene(Table(m_cases.scene_of(n, m_root, m_file), m_file));
+  if (scene.film) throw InputError({m_file, "film", "a film", "a scene of one result"});
+  scene.output = SceneOutput();
+  for (SceneBody& body : scene.bodies) body.output.clear();
+  if (m_pictures.empty()) {
+    scene.views.clear();
+  }
+  for (SceneView& view : scene.views) {
+    const fs::path image = view.image;
+    view.image = (image.parent_path() / (label_of(n) + image.filename().string())).string();
+  }
+  check_scene(scene, m_pictures, true);
+  return scene;
+}
+
+/// The beginning of the names of a case's pictures: "03_poisson_0.3_".
+std::string Sweep::label_of(std::size_t n) const {
+  const std::string number = std::to_string(n + 1), last = std::to_string(m_cases.size());
+  std::string label = std::string(last.size() - number.size(), '0') + number;
+  for (std::size_t k = 0; k < m_cases.keys().size(); ++k) {
+    const auto& value = m_cases.row(n)[k];
+    if (value) label += "_" + in_name(m_cases.short_key(k)) + "_" + in_name(value->text);
+  }
+  return label.substr(0, kLongestLabel) + "_";
+}
+
+/// Files that the scene names, and those that its volumes are read from.
+std::set<std::string> Sweep::inputs_of(const Value& root) {
+  std::set<std::string> files;
+  Table table(root, m_file);
+  table.admit_inputs([&](const std::string& path) { files.insert(path); });
+  const Scene scene = read_scene(table);
+  add_volume(scene.volume_path, scene.read, files);
+  for (const std::string& path : {scene.labels_path, scene.warp_path}) {
+    if (!path.empty()) add_volume(path, {}, files);
+  }
+  return files;
+}
+
+void Sweep::add_volume(const std::string& path, const ReadOptions& read,
+                       std::set<std::string>& files) {
+  files.insert(path);
+  try {
+    if (const auto source = source_of_state_file(path)) {
+      add_volume(source->path, source->read, files);
+    } else {
+      for (const std::string& file : files_of(open_scalars_or_vectors(path, read)->header())) {
+        files.insert(file);
+      }
+    }
+  } catch (const Error&) {  // which the run will meet, too
+  }
+}
+
+const std::string& Sweep::digest_of_file(const std::string& path) {
+  const auto [known, is_new] = m_file_digests.try_emplace(path);
+  if (!is_new || !fs::is_regular_file(path)) return known->second;
+  Sha256 digest;
+  std::ifstream stream(path, std::ios::binary);
+  std::vector<char> bytes(std::size_t(1) << 20);
+  while (stream.read(bytes.data(), std::streamsize(bytes.size())) || stream.gcount() > 0) {
+    digest.update(bytes.data(), std::size_t(stream.gcount()));
+  }
+  return known->second = digest.hex();
+}
+
+/// Digest of all that the results of a scene depend on, wherever its files lie.
+std::string Sweep::digest_of(Value root, const std::set<std::string>& inputs) {
+  if (m_pictures.empty()) root.erase("view");
+  std::set<std::string> digests;
+  for (const std::string& path : inputs) digests.insert(digest_of_file(path));
+  std::string all = json_text(root);
+  for (const std::string& digest : digests) all += "\n" + digest;
+  return digest_of_text(all);
+}
+
+bool Sweep::has_pictures(std::size_t n) const {
+  if (m_pictures.empty()) return true;
+  const std::vector<std::string> names = scene_of(n).outputs();
+  return std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+    return fs::exists(fs::path(m_pictures) / name);
+  });
+}
+
+std::size_t Sweep::known_in(const SweepJournal& journal) const {
+  std::size_t known = 0;
+  for (std::size_t n = 0; n < m_each.size(); ++n) {
+    if (m_each[n].fault.empty() && journal.find(m_each[n].digest) != nullptr && has_pictures(n)) {
+      ++known;
+    }
+  }
+  return known;
+}
+
+std::vector<std::string> Sweep::pictures(bool may_overwrite) const {
+  std::vector<std::string> all;
+  for (std::size_t n = 0; n < m_each.size() && !m_pictures.empty(); ++n) {
+    if (!m_each[n].fault.empty()) continue;
+    const std::vector<std::string> files =
+        check_scene(scene_of(n), m_pictures, may_overwrite).files();
+    all.insert(all.end(), files.begin(), files.end());
+  }
+  return all;
+}
+
+ScenePlan Sweep::plan(Progress& progress) const {
+  const Scene scene = scene_of(0);
+  require_memory_to_open(scene, &progress);
+  const SceneRun run(scene, m_pictures, true, progress);
+  run.check_steps();
+  return plan_of(scene, run);
+}
+
+CaseEnd Sweep::end_of(std::size_t n, SweepJournal& journal, Progress& progress) {
+  const Value* known = m_each[n].fault.empty() ? journal.find(m_each[n].digest) : nullptr;
+  if (known != nullptr && has_pictures(n)) return {*known, ""};
+  CaseEnd end = run(n, progress);
+  if (!end.error.empty()) return end;
+  journal.add(m_each[n].digest, end.report);
+  return {*journal.find(m_each[n].digest), ""};
+}
+
+CaseEnd Sweep::run(std::size_t n, Progress& progress) {
+  if (!m_each[n].fault.empty()) return {{}, m_each[n].fault};
+  CaseProgress of_case("case " + std::to_string(n + 1) + " of " + std::to_string(m_cases.size()),
+                       progress);
+  CaseEnd end;
+  bool is_open = false;
+  restart_peak_rss();
+  try {
+    const Scene scene = scene_of(n);
+    require_memory_to_run(scene, &of_case);
+    SceneRun run(scene, m_pictures, true, of_case);
+    run.check_steps();
+    require_memory(scene, run);
+    is_open = true;
+    run.run();
+    end.report = run_report(run, scene, m_pictures, of_case.seconds());
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    end.error = "not enough memory";
+  } catch (const std::exception& error) {
+    if (n == 0 && !is_open) throw;
+    end.error = error.what();
+  }
+  return_free_memory();
+  return end;
+}
+
+}  // namespace supple::tools

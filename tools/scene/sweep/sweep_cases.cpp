@@ -1,0 +1,191 @@
+#include "tools/scene/sweep/sweep_cases.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+
+#include "volumes/base/csv.h"
+#include "volumes/base/error.h"
+#include "volumes/base/files.h"
+#include "volumes/base/text.h"
+#include "volumes/base/toml.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr std::size_t kMostCases = 100000;
+
+std::string trimmed(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t");
+  if (begin == std::string::npos) return "";
+  return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
+}
+
+/// Texts between commas outside of brackets and quotes.
+std::vector<std::string> parted(const std::string& text) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  char quote = 0;
+  for (std::size_t n = 0; n < text.size(); ++n) {
+    const char c = text[n];
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+      if (c == '\\' && quote == '"' && n + 1 < text.size()) parts.back() += text[n++];
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    } else if (c == '[' || c == '{') {
+      ++depth;
+    } else if (c == ']' || c == '}') {
+      --depth;
+    } else if (c == ',' && depth == 0) {
+      parts.emplace_back();
+      continue;
+    }
+    parts.back() += text[n];
+  }
+  return parts;
+}
+
+}  // namespace
+
+SweptValue parse_swept(const std::string& given) {
+  const std::string text = trimmed(given);
+  try {
+    const Value root = parse_toml("v = [" + text + "]", "");
+    const Value& list = root["v"];
+    if (root.size() == 1 && list.size() == 1) {
+      Value value = list.front();
+      value.line = 0;
+      return {value.is_text() ? value.text() : text, value};
+    }
+  } catch (const InputError&) {  // no TOML
+  }
+  if (!text.empty() && std::string("[{\"'").find(text.front()) == std::string::npos) {
+    return {text, text};
+  }
+  throw UsageError(to_line({"", "--vary", "'" + given + "'", "a value as scenes have it"}));
+}
+
+std::vector<SweptValue> parse_swept_list(const std::string& text) {
+  std::vector<SweptValue> values;
+  for (const std::string& part : parted(text)) values.push_back(parse_swept(part));
+  return values;
+}
+
+void SweepCases::add_key(const std::string& text) {
+  m_keys.emplace_back(text);
+  for (std::size_t n = 0; n + 1 < m_keys.size(); ++n) {
+    if (m_keys[n].text() != text) continue;
+    throw UsageError(to_line({"", "--vary", "'" + text + "' twice", "each key once"}));
+  }
+}
+
+void SweepCases::multiply(const std::vector<Row>& rows) {
+  if (rows.size() * m_rows.size() > kMostCases) {
+    throw UsageError(
+        to_line({"", "--vary", with_count(std::int64_t(rows.size() * m_rows.size()), "case"),
+                 std::to_string(kMostCases) + " at the most"}));
+  }
+  std::vector<Row> all;
+  for (const Row& before : m_rows) {
+    for (const Row& row : rows) {
+      all.push_back(before);
+      all.back().insert(all.back().end(), row.begin(), row.end());
+    }
+  }
+  m_rows = std::move(all);
+}
+
+void SweepCases::vary(const std::string& text) {
+  // A quoted key may hold the sign.
+  std::size_t sign = 0;
+  for (bool is_quoted = false; sign < text.size() && (is_quoted || text[sign] != '='); ++sign) {
+    if (text[sign] == '"') is_quoted = !is_quoted;
+  }
+  if (sign == text.size()) {
+    throw UsageError(to_line({"", "--vary", "'" + text + "'", "KEY=A,B,C"}));
+  }
+  add_key(trimmed(text.substr(0, sign)));
+  std::vector<Row> rows;
+  for (SweptValue& value : parse_swept_list(text.substr(sign + 1))) {
+    rows.push_back({std::move(value)});
+  }
+  multiply(rows);
+}
+
+void SweepCases::add_file(const std::string& path) {
+  require_regular_file(path);
+  if (!std::ifstream(path)) throw_open_error(path, errno);
+  std::string text = text_of_file(path);
+  if (text.empty()) throw InputError({path, "", "an empty file", "keys, and a line per case"});
+  if (text.rfind("\xEF\xBB\xBF", 0) == 0) text.erase(0, 3);
+  std::size_t at = 0;
+  const std::vector<std::string> head = take_csv_line(text, at);
+  for (const std::string& key : head) {
+    try {
+      add_key(trimmed(key));
+    } catch (const UsageError&) {
+      throw InputError({path + ":1", "", "'" + key + "'", "keys of the scene, each once"});
+    }
+  }
+  std::vector<Row> rows;
+  for (int line = 2; at < text.size(); ++line) {
+    const std::vector<std::string> fields = take_csv_line(text, at);
+    if (fields.size() == 1 && trimmed(fields.front()).empty()) continue;
+    const std::string place = path + ":" + std::to_string(line);
+    if (fields.size() != head.size()) {
+      throw InputError({place, "", with_count(std::int64_t(fields.size()), "value"),
+                        with_count(std::int64_t(head.size()), "key") + " as the first line has"});
+    }
+    Row row;
+    for (const std::string& field : fields) {
+      row.emplace_back();
+      if (trimmed(field).empty()) continue;
+      try {
+        row.back() = parse_swept(field);
+      } catch (const UsageError&) {
+        throw InputError({place, "", "'" + field + "'", "a value as scenes have it"});
+      }
+    }
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty()) throw InputError({path, "", "no line below its keys", "a line per case"});
+  multiply(rows);
+}
+
+std::string SweepCases::title(std::size_t n) const {
+  std::string title;
+  for (std::size_t k = 0; k < m_keys.size(); ++k) {
+    if (!m_rows[n][k]) continue;
+    title += (title.empty() ? "" : ", ") + m_keys[k].text() + " = " + m_rows[n][k]->text;
+  }
+  return title.empty() ? "the scene as it is" : title;
+}
+
+std::string SweepCases::short_key(std::size_t key) const {
+  std::vector<std::string> keys;
+  for (const SceneKey& one : m_keys) keys.push_back(one.text());
+  return short_name(keys[key], keys);
+}
+
+Value SweepCases::scene_of(std::size_t n, const Value& root, const std::string& scene_file) const {
+  Value scene = root;
+  for (std::size_t k = 0; k < m_keys.size(); ++k) {
+    if (m_rows[n][k]) m_keys[k].set(scene, scene_file, m_rows[n][k]->value);
+  }
+  return scene;
+}
+
+std::string short_name(const std::string& path, const std::vector<std::string>& paths) {
+  for (std::size_t dot = path.rfind('.'); dot != std::string::npos && dot > 0;
+       dot = path.rfind('.', dot - 1)) {
+    const auto has_end = [&](const std::string& other) {
+      return other != path && ends_with("." + other, path.substr(dot));
+    };
+    if (std::none_of(paths.begin(), paths.end(), has_end)) return path.substr(dot + 1);
+  }
+  return path;
+}
+
+}  // namespace supple::tools

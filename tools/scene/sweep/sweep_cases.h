@@ -1,0 +1,63 @@
+// The cases of a sweep: keys of a scene, and in each case a value for each of them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/scene/sweep/scene_key.h"
+#include "volumes/base/value.h"
+
+namespace supple::tools {
+
+/// A value as it was written, and as the scene has it.
+struct SweptValue {
+  std::string text;
+  Value value;
+};
+
+/// Reads a number, true or false, a list, a table or a quoted text as TOML has them; another word
+/// is a text. Throws UsageError for an opened list, table or text that does not end.
+SweptValue parse_swept(const std::string& text);
+
+/// Reads values between commas that lie outside of brackets and quotes. Throws UsageError likewise,
+/// and for none.
+std::vector<SweptValue> parse_swept_list(const std::string& text);
+
+class SweepCases {
+ public:
+  /// One case that changes nothing.
+  SweepCases() : m_rows(1) {}
+
+  /// Each case so far with each of the values of KEY=A,B,C, which change faster than those before.
+  /// Throws UsageError for another text, a key that has values already, and for too many cases.
+  void vary(const std::string& text);
+  /// Each case so far with each row of a CSV file whose first line has the keys. An empty field
+  /// leaves the scene's value. Throws InputError for a file that is none, UsageError as vary().
+  void add_file(const std::string& path);
+
+  const std::vector<SceneKey>& keys() const { return m_keys; }
+  std::size_t size() const { return m_rows.size(); }
+  /// One value per key, or none.
+  const std::vector<std::optional<SweptValue>>& row(std::size_t n) const { return m_rows[n]; }
+  /// "material.poisson = 0.3, volume.spacing = 2".
+  std::string title(std::size_t n) const;
+  /// Name of a key where few words are to be had: its end that no other key has.
+  std::string short_key(std::size_t key) const;
+
+  /// The scene of a case. Throws InputError as SceneKey::set().
+  Value scene_of(std::size_t n, const Value& root, const std::string& scene_file) const;
+
+ private:
+  using Row = std::vector<std::optional<SweptValue>>;
+  void add_key(const std::string& text);
+  void multiply(const std::vector<Row>& rows);
+
+  std::vector<SceneKey> m_keys;
+  std::vector<Row> m_rows;
+};
+
+/// The shortest end of a path, from one of its dots on, that no other of the paths has.
+std::string short_name(const std::string& path, const std::vector<std::string>& paths);
+
+}  // namespace supple::tools
