@@ -116,6 +116,9 @@ int run_cases(const SweepOptions& options, Sweep& sweep, const GlobalOptions& gl
   console.claim(outputs_of(options, sweep, global.force));
   const std::vector<CaseEnd> ends = ends_of(options, sweep, console);
   const SweepTable table = make_table(sweep.cases(), ends, collected_by(options));
+  if (table.results.empty()) {
+    console.warn("no result is in tables unless --collect names it; --list prints all names");
+  }
   std::string chart;
   if (!options.plot.empty()) chart = to_svg_file(chart_of(table, sweep.cases(), options.axes));
   replace_text_file(options.output, to_csv(table));
@@ -182,6 +185,9 @@ int run_sweep(const SweepOptions& options, const GlobalOptions& global, Console&
   if (!options.cases.empty()) cases.add_file(options.cases);
   for (const std::string& text : options.vary) cases.vary(text);
   collected_by(options);  // refuses a text that is none
+  if (!options.plot.empty() && options.axes.x.empty() && cases.size() < 2) {
+    throw UsageError(to_line({"", "--plot", "one case", "--vary with several values, or --x"}));
+  }
   if (options.output.empty() && !options.lists && !options.dry_run) {
     throw UsageError(to_line({"", "--output", "nothing", "-o TABLE.csv, --list or --dry-run"}));
   }
@@ -215,8 +221,8 @@ Command add_sweep(CLI::App& program) {
       program, "sweep", "Run a scene for many values, and make a table of the results",
       "  supple sweep bend.toml --vary material.poisson=0.3,0.4,0.45 -o bend.csv\n"
       "  supple sweep bend.toml --vary material.poisson=0.3,0.45 --list\n"
-      "  supple sweep head.toml --vary step.fem.swellings.pressure_kpa=1,2,4 "
-      "--vary material.poisson=0.4,0.48 -o head.csv --plot head.svg --y volume_change_ml");
+      "  supple sweep head.toml --vary step.fem.swellings.pressure_kpa=1,2,4 -o p.csv --plot "
+      "p.svg");
   app->add_option("scene", options->scene, "A scene file")->required()->option_text("SCENE.toml");
   app->add_option(
          "--vary", options->vary,

@@ -139,6 +139,8 @@ TEST_F(FaultSweep, WrongKeysAndValuesAreRefusedBeforeAnythingRuns) {
             "3 none.csv: found no such file, expected a readable file");
   EXPECT_EQ(error({"--collect", "=x"}), "2 --collect: found '=x', expected NAME=PATH or PATH");
   EXPECT_EQ(error({"--x", "a"}).substr(0, 2), "2 ");
+  EXPECT_EQ(error({"--plot", m_folder / "t.svg"}),
+            "2 --plot: found one case, expected --vary with several values, or --x");
 }
 
 TEST_F(FaultSweep, ACaseThatFailsIsARowAndTheOthersGoOn) {
