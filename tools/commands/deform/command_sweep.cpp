@@ -58,10 +58,22 @@ void check_names(const SweepOptions& options, const Sweep& sweep, const CaseEnd&
   }
 }
 
+/// Notes how long the others may take, by the first case that was run, where that is long.
+void tell_time(const CaseEnd& first, std::size_t others, Console& console) {
+  constexpr double kLong = 10;
+  const double case_s = first.report["total_s"].number();
+  if (case_s * double(others) < kLong) return;
+  console.note("took " + number_text(case_s, 2) + " s; at that, " +
+               with_count(std::int64_t(others), "other case") + " will take " +
+               number_text(case_s * double(others), 2) + " s");
+}
+
 std::vector<CaseEnd> run_all(const SweepOptions& options, Sweep& sweep, SweepJournal& journal,
                              Console& console) {
   std::vector<CaseEnd> ends;
   bool is_checked = false;
+  bool tells_time = true;
+  const std::size_t left = sweep.cases().size() - sweep.known_in(journal);
   for (std::size_t n = 0; n < sweep.cases().size(); ++n) {
     poll(&console);
     console.enter("case", int(n) + 1);
@@ -71,6 +83,10 @@ std::vector<CaseEnd> run_all(const SweepOptions& options, Sweep& sweep, SweepJou
     } else if (!is_checked) {
       is_checked = true;
       check_names(options, sweep, ends.back(), console);
+    }
+    if (ends.back().error.empty() && ends.back().was_run && tells_time) {
+      tells_time = false;
+      tell_time(ends.back(), left - 1, console);
     }
   }
   console.tell_repeats();

@@ -215,7 +215,7 @@ ScenePlan Sweep::plan(Progress& progress) const {
 
 CaseEnd Sweep::end_of(std::size_t n, SweepJournal& journal, Progress& progress) {
   const Value* known = m_each[n].fault.empty() ? journal.find(m_each[n].digest) : nullptr;
-  if (known != nullptr && has_pictures(n)) return {*known, ""};
+  if (known != nullptr && has_pictures(n)) return {*known, "", false};
   CaseEnd end = run(n, progress);
   if (!end.error.empty()) return end;
   journal.add(m_each[n].digest, end.report);

@@ -19,6 +19,7 @@ namespace supple::tools {
 struct CaseEnd {
   Value report;
   std::string error;
+  bool was_run = true;  // false: known from a journal
 };
 
 class Sweep {
