@@ -101,29 +101,6 @@ double energy_of_unit_curvature(const FlatTriangle& t, const MatrixXd& stiffness
   return w.dot(stiffness * w) / 2;
 }
 
-/// A mesh of triangles alone.
-SolidMesh sheet_mesh(const SolidMesh& of, const std::vector<std::string>& names) {
-  std::vector<std::int32_t> index(of.nodes_lps_mm.size(), -1);
-  SolidMesh out;
-  FaceSet set{"sheet", {}};
-  for (const FaceSet& faces : of.faces) {
-    if (std::find(names.begin(), names.end(), faces.name) == names.end()) continue;
-    for (auto triangle : faces.triangles) {
-      for (std::int32_t& node : triangle) {
-        std::int32_t& at = index[std::size_t(node)];
-        if (at < 0) {
-          at = std::int32_t(out.nodes_lps_mm.size());
-          out.nodes_lps_mm.push_back(of.nodes_lps_mm[std::size_t(node)]);
-        }
-        node = at;
-      }
-      set.triangles.push_back(triangle);
-    }
-  }
-  out.faces.push_back(std::move(set));
-  return out;
-}
-
 SolidMesh irregular_box() {
   return sheet_mesh(tet_block({3, 4, 2}, {30, 36, 18}, 0.25), {"surface"});
 }

@@ -21,17 +21,6 @@ MassDensities all_of(double density) {
   return out;
 }
 
-/// A plate of sheets alone.
-SolidMesh plate_of_triangles(int cells, double side_mm) {
-  SolidMesh mesh = tet_block(Vec3i(cells, cells, 1), Vec3d(side_mm, side_mm, 1));
-  const FaceSet top = mesh.faces[4];
-  mesh.tets.clear();
-  mesh.materials.clear();
-  mesh.faces = {top};
-  mesh.nodes_lps_mm.resize(std::size_t((cells + 1) * (cells + 1)));
-  return mesh;
-}
-
 /// What lets a bar move along x alone, with its end at x = 0 held.
 TetLoads bar_in_its_walls(const TetModel& model) {
   TetLoads loads;
@@ -92,8 +81,9 @@ TEST(PropertyTetDynamics, AFreeBodyWithSheetsHasSixRigidMotionsAndTheSameModesWh
 // Simply supported: 2 pi f = (1 + 1) (pi / a)^2 sqrt(D / (rho h)).
 TEST(UnitTetDynamics, APlateOfSheetsHasTheModeOfKirchhoffsTheory) {
   const double side_mm = 100, thickness_mm = 1, young_kpa = 2500, poisson = 0.3;
-  const TetModel model(plate_of_triangles(16, side_mm), TetElement::linear,
-                       {{"z-", SheetKind::both, young_kpa, poisson, thickness_mm}});
+  const SolidMesh mesh = sheet_mesh(tet_block({16, 16, 1}, {side_mm, side_mm, 1}), {"z-"});
+  const TetModel model(mesh, TetElement::linear,
+                       {{"sheet", SheetKind::both, young_kpa, poisson, thickness_mm}});
   TetLoads loads;
   const auto on_rim = [&](const Vec3d& x) {
     return x.x == 0 || x.y == 0 || x.x == side_mm || x.y == side_mm;

@@ -1,7 +1,6 @@
 // CalculiX solves the same tetrahedra; skipped where calculix-ccx is not installed.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -9,6 +8,7 @@
 #include "lib/fem/dynamics/modes.h"
 #include "lib/fem/dynamics/newmark.h"
 #include "lib/fem/tet/tet_system.h"
+#include "tests/lib/fem/tet/calculix_decks.h"
 #include "tests/lib/fem/tet/tet_fixtures.h"
 #include "tests/support/program.h"
 #include "volumes/base/units.h"
@@ -20,13 +20,6 @@ namespace {
 
 /// Our ten nodes in the order of C3D10: corners, then the middles of 01, 12, 02, 03, 13, 23.
 constexpr std::size_t kC3d10Order[10] = {0, 1, 2, 3, 4, 7, 5, 6, 8, 9};
-
-template <class... Values>
-void append(std::string& text, const char* format, Values... values) {
-  char line[200];
-  std::snprintf(line, sizeof line, format, values...);
-  text += line;
-}
 
 /// A block of two materials, held at one end and at a few nodes led elsewhere, with forces.
 struct JudgedBlock {
@@ -142,40 +135,6 @@ struct JudgedBlock {
     return out;
   }
 };
-
-/// The `.dat` that CalculiX writes.
-std::string judged_text(const std::string& deck) {
-  const TemporaryFolder folder;
-  write_text(folder / "block.inp", deck);
-  EXPECT_TRUE(runs("cd " + (folder / "") + " && ccx block"));
-  return read_text(folder / "block.dat");
-}
-
-/// Displacements after the last increment.
-std::vector<double> calculix_displacements(const std::string& deck) {
-  std::istringstream lines(judged_text(deck));
-  std::vector<double> u;
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    int node;
-    double x, y, z;
-    if (line.find(" for set ") != std::string::npos) u.clear();
-    if (words >> node >> x >> y >> z) u.insert(u.end(), {x, y, z});
-  }
-  return u;
-}
-
-/// Largest difference relative to the largest value.
-double difference(const std::vector<double>& ours, const std::vector<double>& theirs) {
-  EXPECT_EQ(ours.size(), theirs.size());
-  double most = 0, off = 0;
-  for (std::size_t n = 0; n < std::min(ours.size(), theirs.size()); ++n) {
-    most = std::max(most, std::abs(theirs[n]));
-    off = std::max(off, std::abs(ours[n] - theirs[n]));
-  }
-  EXPECT_GT(most, 0);
-  return off / most;
-}
 
 /// Cycles per second of the modes in the first table.
 std::vector<double> calculix_frequencies(const std::string& deck) {

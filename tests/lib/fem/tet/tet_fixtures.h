@@ -24,6 +24,8 @@ TetParams exact_params();
 SolidMesh tet_block(const Vec3i& cubes, const Vec3d& size_mm, double perturbed = 0);
 /// A ball around the origin: the cube of n^3 cubes, pulled onto spheres; its surface is "surface".
 SolidMesh tet_ball(int n, double radius_mm);
+/// A mesh of triangles alone.
+SolidMesh sheet_mesh(const SolidMesh& of, const std::vector<std::string>& names);
 void set_material(SolidMesh& mesh, double young_kpa, double poisson);
 
 /// Nodes for which `where` holds.
