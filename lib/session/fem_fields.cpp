@@ -89,7 +89,7 @@ Fields fields(FemStep& step) {
 Fields tet_fields(FemStep& step) {
   Fields all = fields(*step.tets);
   for (const Field& field : fields(step)) {
-    for (const char* name : {"tolerance", "reaction_tolerance", "max_iterations", "loose",
+    for (const char* name : {"strain", "tolerance", "reaction_tolerance", "max_iterations", "loose",
                              "max_rotation", "max_strain", "gravity"}) {
       if (field.name() == name) all.push_back(field);
     }

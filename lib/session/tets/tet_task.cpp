@@ -181,6 +181,7 @@ void TetRun::hold(const std::vector<FemGrip>& grips, TetLoads& loads) const {
 void TetRun::solve(const TetLoads& loads, Progress* progress) {
   TetParams params;
   params.equations = m_settings.equations;
+  params.strain = m_step.params.strain;
   params.tolerance = m_step.params.tolerance;
   params.reaction_tolerance = m_step.params.reaction_tolerance;
   if (m_step.params.accuracy == FemAccuracy::picture) {
