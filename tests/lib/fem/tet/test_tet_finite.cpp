@@ -166,12 +166,15 @@ TEST(PropertyTetFinite, ATurnByAnyAngleNeedsNoForce) {
 
 TEST(PropertyTetFinite, ABlockIsStretchedAsTheFormulaSays) {
   for (const TetElement element : kTetElements) {
+    // Pressed to half its length at nu near 0 the law has states of less energy, which ten nodes
+    // find.
+    const double pressed = element == TetElement::quadratic ? 0.7 : 0.5;
     for (const double poisson : {0.0, 0.3, 0.47}) {
       SolidMesh mesh = tet_block(Vec3i(3, 2, 2), Vec3d(30, 20, 18), 0.2);
       set_material(mesh, 6, poisson);
       const TetModel model(mesh, element);
       const TetModuli& moduli = model.moduli()[0];
-      for (const double along : {0.75, 1.5}) {
+      for (const double along : {pressed, 1.5}) {
         const Vec3d stretch = bar_stretch(moduli, along);
         TetLoads loads;
         loads.held = sliding_planes(model);
