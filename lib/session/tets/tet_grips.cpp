@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <map>
 
-#include <Eigen/Dense>
 
 namespace supple {
 

@@ -167,6 +167,7 @@ std::optional<Slot> nearest_slot(const BrickTopology& elements, const Vec3d& ind
       }
     }
   }
+  if (least > (kSearch - 0.5) * (kSearch - 0.5)) best.reset();  // others may be nearer
   return best;
 }
 

@@ -29,7 +29,7 @@ std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geomet
 /// Numbers of elements in the order of the bricks, by their slots; -1 elsewhere.
 std::vector<std::int32_t> element_numbers(const BrickTopology& elements);
 
-/// The element nearest to a place in voxels, within four voxels along each axis.
+/// The element nearest to a place in voxels; none where it is farther than 3.5 voxels.
 std::optional<Slot> nearest_slot(const BrickTopology& elements, const Vec3d& index);
 
 }  // namespace supple
