@@ -3,16 +3,12 @@
 // Cost: some 20 ns per voxel and 0.3 us per element.
 #pragma once
 
-#include <functional>
 #include <map>
 
 #include "lib/mesh/tets/mask_distance.h"
 #include "volumes/io/solid/solid_mesh.h"
 
 namespace supple {
-
-/// The label of a voxel of the mask.
-using VoxelLabel = std::function<std::int32_t(const Vec3i& voxel)>;
 
 /// Gives every element the label that most of its voxels have. Where it holds the centres of few,
 /// the voxels count that are nearest to places which share it evenly, and of labels with equal

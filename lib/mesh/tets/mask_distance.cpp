@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "volumes/base/parallel.h"
+#include "lib/mesh/tets/voxel_lines.h"
 
 namespace supple {
 
@@ -13,46 +13,8 @@ namespace {
 constexpr int kReachVoxels = 4;  // distances end there
 constexpr int kMargin = 2;       // voxels around the box
 
-/// How far the surface may be moved, in the smallest voxel size.
-constexpr double kMostOutwards = 0.5;
-
 /// Distance of voxel centres from the surface, at the least, in the smallest voxel size.
 constexpr double kLeastDistance = 0.1;
-
-/// A box of numbers, i fastest, whose lines along an axis are worked on row by row.
-template <class T>
-struct Box {
-  Vec3i dims;
-  std::vector<T>& values;
-
-  T* row(int j, int k) const {
-    return values.data() + (std::size_t(k) * std::size_t(dims.y) + std::size_t(j)) * dims.x;
-  }
-};
-
-/// Calls work(source, out, n, count) for groups of lines along an axis. The lines of a group lie
-/// side by side: value m of line i is at m * width + i. Sources have `margin` more at both ends,
-/// which repeat the outermost value.
-template <class T, class Work>
-void for_each_lines(const Box<T>& box, int axis, int margin, const Work& work) {
-  const int width = axis == 0 ? 1 : box.dims.x;
-  const int length = box.dims[axis];
-  const auto line_at = [&](int group, int m) {
-    if (axis == 0) return box.row(group % box.dims.y, group / box.dims.y) + m;
-    return axis == 1 ? box.row(m, group) : box.row(group, m);
-  };
-  const int groups = axis == 0 ? box.dims.y * box.dims.z : axis == 1 ? box.dims.z : box.dims.y;
-  parallel_ranges(groups, Grain{std::size_t(axis == 0 ? 64 : 1)}, [&](int begin, int end) {
-    std::vector<T> source(std::size_t(length + 2 * margin) * std::size_t(width));
-    for (int group = begin; group < end; ++group) {
-      for (int m = -margin; m < length + margin; ++m) {
-        std::copy_n(line_at(group, std::clamp(m, 0, length - 1)), width,
-                    source.data() + std::size_t(m + margin) * std::size_t(width));
-      }
-      work(source.data(), width, length, [&](int m) { return line_at(group, m); });
-    }
-  });
-}
 
 /// One axis of the squared distances to the other side: positive outside, negative inside.
 void min_along(const Box<float>& box, int axis, double spacing_mm, double reach_mm) {
@@ -80,35 +42,6 @@ void min_along(const Box<float>& box, int axis, double spacing_mm, double reach_
   });
 }
 
-using VoxelFlags = std::vector<std::uint8_t>;
-
-/// Takes the largest of the values within a radius along every axis.
-void spread(const Vec3i& dims, int radius, VoxelFlags& bytes) {
-  const Box<std::uint8_t> box{dims, bytes};
-  for (int axis = 0; axis < 3; ++axis) {
-    for_each_lines(
-        box, axis, radius, [&](const std::uint8_t* source, int width, int length, auto&& line) {
-          const int count = axis == 0 ? length : width;
-          for (int m = 0; m < (axis == 0 ? 1 : length); ++m) {
-            std::uint8_t* out = line(m);
-            for (int d = 0; d <= 2 * radius; ++d) {
-              const std::uint8_t* from = source + std::size_t(m + d) * std::size_t(width);
-              for (int i = 0; i < count; ++i) out[i] = std::max(out[i], from[i]);
-            }
-          }
-        });
-  }
-}
-
-/// Calls work(n) for all values of a box.
-template <class Work>
-void for_each_value(const Vec3i& dims, const Work& work) {
-  const std::size_t slice = std::size_t(dims.x) * std::size_t(dims.y);
-  parallel_for(dims.z, [&](int k) {
-    for (std::size_t n = slice * std::size_t(k); n < slice * std::size_t(k + 1); ++n) work(n);
-  });
-}
-
 /// Voxels of parts of fewer than three voxels across, of the set (1) or around it, and those beside
 /// them.
 VoxelFlags thin_parts(const Vec3i& dims, const VoxelFlags& inside) {
@@ -116,14 +49,14 @@ VoxelFlags thin_parts(const Vec3i& dims, const VoxelFlags& inside) {
   for (int side = 0; side < 2; ++side) {
     VoxelFlags near(inside.size());
     for_each_value(dims, [&](std::size_t n) { near[n] = inside[n] == side ? 0 : 1; });
-    spread(dims, 1, near);
+    spread(dims, Vec3i(1), near);
     for_each_value(dims, [&](std::size_t n) { near[n] ^= 1U; });  // a voxel inside of all 26
-    spread(dims, 2, near);
+    spread(dims, Vec3i(2), near);
     for_each_value(dims, [&](std::size_t n) {
       thin[n] = std::uint8_t(thin[n] | (inside[n] == side && near[n] == 0 ? 1 : 0));
     });
   }
-  spread(dims, 1, thin);
+  spread(dims, Vec3i(1), thin);
   return thin;
 }
 
@@ -156,34 +89,10 @@ void blur_along(const Box<float>& box, int axis, const std::vector<float>& weigh
 
 }  // namespace
 
-std::int64_t VoxelMask::count() const {
-  return std::accumulate(inside.begin(), inside.end(), std::int64_t(0));
-}
-
-double VoxelMask::volume_mm3() const {
-  return double(count()) * std::abs(geometry.determinant());
-}
-
-VoxelMask mask_of(const Geometry& geometry, const BrickTopology& voxels) {
-  VoxelMask mask{geometry, voxels.active_bounds(), {}};
-  const Vec3i dims = mask.dims();
-  mask.inside.assign(std::size_t(dims.x) * std::size_t(dims.y) * std::size_t(dims.z), 0);
-  parallel_for(voxels.brick_count(), Grain{64}, [&](std::size_t b) {
-    for_each_active(voxels.mask(b), [&](int offset) {
-      const Vec3i at = voxels.origin(b) + brick_local(offset) - mask.box.lo;
-      mask.inside[(std::size_t(at.z) * std::size_t(dims.y) + std::size_t(at.y)) *
-                      std::size_t(dims.x) +
-                  std::size_t(at.x)] = 1;
-    });
-  });
-  return mask;
-}
-
 MaskDistance::MaskDistance(const VoxelMask& mask, double sigma_voxels, Progress* progress)
     : m_lo(mask.box.lo - Vec3i(kMargin)), m_dims(mask.dims() + Vec3i(2 * kMargin)) {
   stage(progress, "distances");
   const Vec3d spacing = mask.geometry.spacing_mm();
-  m_most_outwards = kMostOutwards * std::min({spacing.x, spacing.y, spacing.z});
   m_reach = kReachVoxels * std::cbrt(spacing.x * spacing.y * spacing.z);
   find_distances(mask, spacing);
   poll(progress);
@@ -235,10 +144,6 @@ void MaskDistance::smooth(double sigma_voxels, double least_mm) {
   });
 }
 
-void MaskDistance::move_surface(double outwards_mm) {
-  m_outwards = std::clamp(m_outwards + outwards_mm, -m_most_outwards, m_most_outwards);
-}
-
 double MaskDistance::at(const Vec3d& index) const {
   const double x = index.x - m_lo.x, y = index.y - m_lo.y, z = index.z - m_lo.z;
   if (!(x >= 0 && y >= 0 && z >= 0 && x <= m_dims.x - 1 && y <= m_dims.y - 1 &&
@@ -253,7 +158,7 @@ double MaskDistance::at(const Vec3d& index) const {
   const auto along = [u](const float* a) { return a[0] + u * (double(a[1]) - a[0]); };
   const double low = along(at) + v * (along(at + line) - along(at));
   const double high = along(at + slice) + v * (along(at + slice + line) - along(at + slice));
-  return low + w * (high - low) - m_outwards;
+  return low + w * (high - low);
 }
 
 }  // namespace supple

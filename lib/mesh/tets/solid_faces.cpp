@@ -85,12 +85,11 @@ RegionNames unique_names(const std::set<std::int32_t>& regions, const RegionName
 
 }  // namespace
 
-std::vector<FaceSet> faces_of_regions(const SolidMesh& mesh,
-                                      const std::map<std::int32_t, std::string>& names) {
+RegionBorders borders_of_regions(const SolidMesh& mesh) {
   const auto region_of = [&](const ElementFace& face) {
     return mesh.region_of.empty() ? 1 : mesh.region_of[std::size_t(face.element)];
   };
-  std::map<std::pair<std::int32_t, std::int32_t>, FaceSet> sets;
+  RegionBorders sets;
   for_each_face(sorted_faces(mesh), [&](const ElementFace& face, const ElementFace* other) {
     const std::int32_t region = region_of(face), beyond = other == nullptr ? 0 : region_of(*other);
     if (region == beyond) return;
@@ -100,6 +99,12 @@ std::vector<FaceSet> faces_of_regions(const SolidMesh& mesh,
     set.triangles.push_back({seen[0], seen[1], seen[2]});
     if (seen[3] >= 0) set.triangles.push_back({seen[0], seen[2], seen[3]});
   });
+  return sets;
+}
+
+std::vector<FaceSet> faces_of_regions(const SolidMesh& mesh,
+                                      const std::map<std::int32_t, std::string>& names) {
+  RegionBorders sets = borders_of_regions(mesh);
   std::set<std::int32_t> regions_of_sets;
   for (const auto& [regions, set] : sets) {
     regions_of_sets.insert(regions.first);

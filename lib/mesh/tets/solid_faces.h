@@ -8,6 +8,10 @@
 
 namespace supple {
 
+/// Unnamed sets of faces where a region ends, seen from the first; the second is 0 outside.
+using RegionBorders = std::map<std::pair<std::int32_t, std::int32_t>, FaceSet>;
+RegionBorders borders_of_regions(const SolidMesh& mesh);
+
 /// Faces between elements of one region and what is outside of all (0), or another region. Squares
 /// of hexahedra are two triangles each. Sets come in the order of (region, other), where the other
 /// is 0 or larger; triangles are seen from outside of the first region. `names` of regions make

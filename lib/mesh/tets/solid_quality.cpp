@@ -4,14 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "lib/mesh/tets/solid_faces.h"
+#include "lib/mesh/tets/tet_shape.h"
 #include "volumes/base/parallel.h"
-#include "volumes/base/units.h"
 
 namespace supple {
 
 namespace {
 
-constexpr int kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 constexpr int kHexEdges[12][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6},
                                   {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}};
 /// Six tetrahedra around the diagonal from corner 0 to corner 6.
@@ -46,10 +46,6 @@ struct Shapes {
   }
 };
 
-double volume_of(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& d) {
-  return (b - a).cross(c - a).dot(d - a) / 6;
-}
-
 template <std::size_t corners>
 std::array<Vec3d, corners> places_of(const SolidMesh& mesh,
                                      const std::array<std::int32_t, corners>& nodes) {
@@ -67,20 +63,12 @@ double longest_edge(const Vec3d* corners, const int (*ends)[2], int count) {
 }
 
 void add_tet(const std::array<Vec3d, 4>& p, Shapes& shapes) {
-  const std::array<Vec3d, 4> normals = {
-      (p[3] - p[1]).cross(p[2] - p[1]), (p[2] - p[0]).cross(p[3] - p[0]),
-      (p[3] - p[0]).cross(p[1] - p[0]), (p[1] - p[0]).cross(p[2] - p[0])};
-  std::array<double, 4> lengths{};
-  for (std::size_t f = 0; f < 4; ++f) lengths[f] = normals[f].length();
-  for (const auto& [a, b] : kTetEdges) {
-    const std::size_t i = std::size_t(a), j = std::size_t(b);
-    const double cosine = -normals[i].dot(normals[j]) / (lengths[i] * lengths[j]);
-    shapes.least_cosine = std::min(shapes.least_cosine, cosine);
-    shapes.largest_cosine = std::max(shapes.largest_cosine, cosine);
-  }
+  const TetAngles angles(p);
+  shapes.least_cosine = std::min(shapes.least_cosine, angles.least_cosine);
+  shapes.largest_cosine = std::max(shapes.largest_cosine, angles.largest_cosine);
   shapes.add_edges(p.data(), kTetEdges, 6);
-  const double area = (lengths[0] + lengths[1] + lengths[2] + lengths[3]) / 2;
-  const double radius = 3 * volume_of(p[0], p[1], p[2], p[3]) / area;
+  const double area = angles.areas[0] + angles.areas[1] + angles.areas[2] + angles.areas[3];
+  const double radius = 3 * tet_volume(p) / area;
   const double aspect = longest_edge(p.data(), kTetEdges, 6) / (2 * std::sqrt(6.0) * radius);
   shapes.aspects += aspect;
   shapes.largest_aspect = std::max(shapes.largest_aspect, aspect);
@@ -91,10 +79,6 @@ void add_hex(const std::array<Vec3d, 8>& p, Shapes& shapes) {
   own.add_edges(p.data(), kHexEdges, 12);
   own.aspects = own.largest_aspect = own.longest / own.shortest;
   shapes.add(own);
-}
-
-double angle_deg(double cosine) {
-  return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegreesPerRadian;
 }
 
 Shapes shapes_of(const SolidMesh& mesh) {
@@ -115,20 +99,58 @@ Shapes shapes_of(const SolidMesh& mesh) {
   return shapes;
 }
 
+/// Nodes at which three regions meet, the outside among them.
+std::vector<std::uint8_t> junction_nodes(const SolidMesh& mesh) {
+  constexpr std::int32_t kNone = std::numeric_limits<std::int32_t>::min();
+  std::vector<std::array<std::int32_t, 2>> first(mesh.nodes_lps_mm.size(), {kNone, kNone});
+  std::vector<std::uint8_t> is_junction(first.size(), 0);
+  const auto meet = [&](std::size_t node, std::int32_t region) {
+    for (std::int32_t& known : first[node]) {
+      if (known == kNone) known = region;
+      if (known == region) return;
+    }
+    is_junction[node] = 1;
+  };
+  for (const auto& [regions, faces] : borders_of_regions(mesh)) {
+    for (const auto& triangle : faces.triangles) {
+      for (const std::int32_t node : triangle) {
+        meet(std::size_t(node), regions.first);
+        meet(std::size_t(node), regions.second);
+      }
+    }
+  }
+  return is_junction;
+}
+
+void measure_junctions(const SolidMesh& mesh, SolidQuality& quality) {
+  const std::vector<std::uint8_t> is_junction = junction_nodes(mesh);
+  for (const auto& tet : mesh.tets) {
+    const bool is_there = std::any_of(tet.begin(), tet.end(), [&](std::int32_t node) {
+      return is_junction[std::size_t(node)] != 0;
+    });
+    if (!is_there) continue;
+    const TetAngles angles(places_of(mesh, tet));
+    ++quality.junction_tets;
+    quality.least_junction_deg =
+        std::min(quality.least_junction_deg, angle_deg(angles.largest_cosine));
+    quality.largest_junction_deg =
+        std::max(quality.largest_junction_deg, angle_deg(angles.least_cosine));
+  }
+}
+
 }  // namespace
 
 std::vector<double> volumes_mm3(const SolidMesh& mesh) {
   std::vector<double> volumes(mesh.element_count());
   parallel_for(volumes.size(), Grain{4096}, [&](std::size_t e) {
     if (e < mesh.tets.size()) {
-      const auto p = places_of(mesh, mesh.tets[e]);
-      volumes[e] = volume_of(p[0], p[1], p[2], p[3]);
+      volumes[e] = tet_volume(places_of(mesh, mesh.tets[e]));
       return;
     }
     const auto p = places_of(mesh, mesh.hexes[e - mesh.tets.size()]);
     for (const auto& tet : kHexTets) {
-      volumes[e] += volume_of(p[std::size_t(tet[0])], p[std::size_t(tet[1])],
-                              p[std::size_t(tet[2])], p[std::size_t(tet[3])]);
+      volumes[e] += tet_volume({p[std::size_t(tet[0])], p[std::size_t(tet[1])],
+                                p[std::size_t(tet[2])], p[std::size_t(tet[3])]});
     }
   });
   return volumes;
@@ -158,6 +180,7 @@ SolidQuality quality_of(const SolidMesh& mesh) {
     sum += volumes[e];
   }
   quality.mean_volume_mm3 = sum / double(volumes.size());
+  if (quality.elements.size() > 1) measure_junctions(mesh, quality);
   return quality;
 }
 

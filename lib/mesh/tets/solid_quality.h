@@ -10,6 +10,9 @@ namespace supple {
 
 struct SolidQuality {
   double least_dihedral_deg = 180, largest_dihedral_deg = 0;  // of tetrahedra; 180, 0: none
+  /// Angles of tetrahedra at a node where three regions meet, or two and the outside.
+  double least_junction_deg = 180, largest_junction_deg = 0;
+  std::int64_t junction_tets = 0;
   /// The longest edge over 2 sqrt(6) radii of the inner sphere in tetrahedra, over the shortest
   /// edge in hexahedra: 1 at best.
   double mean_aspect = 0, largest_aspect = 0;

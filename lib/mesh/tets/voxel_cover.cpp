@@ -39,4 +39,17 @@ VoxelCover cover_of(const VoxelMask& mask, const SolidMesh& mesh) {
   return cover;
 }
 
+VoxelMask uncovered_voxels(const VoxelMask& mask, const VoxelLabel& label_of,
+                           const SolidMesh& mesh) {
+  VoxelMask left = mask;
+  const std::vector<Vec3d> places = index_places(mesh, mask.geometry);
+  for (std::size_t e = 0; e < mesh.element_count(); ++e) {
+    for_each_voxel(mesh, e, places, [&](const Vec3i& voxel) {
+      if (!left.holds(voxel) || (label_of && label_of(voxel) != mesh.region_of[e])) return;
+      left.inside[left.number(voxel)] = 0;
+    });
+  }
+  return left;
+}
+
 }  // namespace supple

@@ -16,4 +16,8 @@ struct VoxelCover {
 /// Counts centres in elements.
 VoxelCover cover_of(const VoxelMask& mask, const SolidMesh& mesh);
 
+/// Voxels whose centres lie in no element of their label, or without labels in none at all.
+VoxelMask uncovered_voxels(const VoxelMask& mask, const VoxelLabel& label_of,
+                           const SolidMesh& mesh);
+
 }  // namespace supple

@@ -56,6 +56,12 @@ Fields fields(MeshOptions& options) {
           .range(0, 10),
       Field("keep_volume", options.solid.keeps_volume,
             "Move the surface as a whole until the volume is that of the voxels"),
+      Field("coarser", options.solid.coarser_levels,
+            "Inside, edges become up to 2^LEVELS times as long, away from borders")
+          .shown_as("LEVELS"),
+      Field("thin", options.solid.thin, {"report", "keep"},
+            "Parts that are thinner than the lattice: told in ml, or kept by edges of some half a "
+            "voxel where they would be lost"),
       Field("hex", options.hex,
             "Hexahedra of blocks of so many voxels along each axis: 1, 2, 4 … 64")
           .shown_as("VOXELS"),
@@ -200,15 +206,18 @@ SolidMesh make_mesh(const MeshOptions& options, const Meshed& meshed, Value& rep
   SolidMesh mesh;
   if (options.hex) {
     mesh = make_hexes(meshed.mask, *options.hex, meshed.region);
+    if (meshed.are_labels) give_regions(mesh, meshed.mask, meshed.label_of());
+    mesh.faces = faces_of_regions(mesh, meshed.names);
   } else {
     SolidReport made;
-    mesh = make_tets(meshed.mask, options.solid, meshed.region, "surface", &made, &console);
+    mesh = make_tets(meshed.mask, meshed.label_of(), options.solid, meshed.names, &made, &console);
     report["spacing_mm"] = spacing_for(options.solid, meshed.mask.volume_mm3());
     report["surface_outwards_mm"] = made.outwards_mm;
     report["passes"] = made.passes;
+    const double voxel_ml = std::abs(meshed.mask.geometry.determinant()) / 1000;
+    report["thin_ml"] = double(made.thin) * voxel_ml;
+    report["thin_lost_ml"] = double(made.thin_lost) * voxel_ml;
   }
-  if (meshed.are_labels) give_regions(mesh, meshed.mask, meshed.label_of());
-  mesh.faces = faces_of_regions(mesh, meshed.names);
   if (meshed.elastic) {
     give_materials(mesh, meshed.mask, meshed.density, *meshed.elastic, meshed.label_of(),
                    options.bins);
@@ -264,7 +273,8 @@ void check_options(const CLI::App& app, const MeshOptions& options) {
     fail("--bins without --material", "both of them");
   }
   if (!options.hex) return;
-  for (const char* option : {"--spacing", "--elements", "--smooth", "--no-keep-volume"}) {
+  for (const char* option :
+       {"--spacing", "--elements", "--smooth", "--no-keep-volume", "--coarser", "--thin"}) {
     if (app.count(option) > 0) fail("--hex and " + std::string(option), "one of them");
   }
   require_block(*options.hex);

@@ -54,6 +54,11 @@ Value mesh_report(const SolidMesh& mesh, const VoxelMask& mask,
     report["least_dihedral_deg"] = quality.least_dihedral_deg;
     report["largest_dihedral_deg"] = quality.largest_dihedral_deg;
   }
+  if (quality.junction_tets > 0) {
+    report["junctions"] = {{"elements", quality.junction_tets},
+                           {"least_dihedral_deg", quality.least_junction_deg},
+                           {"largest_dihedral_deg", quality.largest_junction_deg}};
+  }
   report["mean_aspect"] = quality.mean_aspect;
   report["largest_aspect"] = quality.largest_aspect;
   report["edges_mm"] = std::array<double, 3>{quality.shortest_edge_mm, quality.mean_edge_mm,
@@ -89,6 +94,13 @@ void print_mesh_report(const Value& report) {
     std::printf("dihedral angles  %.2f to %.2f degrees\n", number("least_dihedral_deg"),
                 number("largest_dihedral_deg"));
   }
+  if (report.contains("junctions")) {
+    const Value& junctions = report["junctions"];
+    std::printf("junctions        %.2f to %.2f degrees, in %lld elements where regions meet\n",
+                junctions["least_dihedral_deg"].number(),
+                junctions["largest_dihedral_deg"].number(),
+                static_cast<long long>(junctions["elements"].whole()));
+  }
   std::printf("aspect           %.3g in the mean, %.3g at most\n", number("mean_aspect"),
               number("largest_aspect"));
   const Value& edges = report["edges_mm"];
@@ -101,6 +113,10 @@ void print_mesh_report(const Value& report) {
               100 * number("volume_ml") / number("voxels_ml"), number("voxels_ml"));
   std::printf("voxels           %.4g ml of them in no element, %.4g ml of others in one\n",
               number("lost_ml"), number("gained_ml"));
+  if (report.contains("thin_ml") && number("thin_ml") > 0) {
+    std::printf("thin parts       %.4g ml, %.4g ml of them in no element\n", number("thin_ml"),
+                number("thin_lost_ml"));
+  }
   std::printf("surface          %s; %lld edges at which parts touch; %s\n",
               count("open_edges") == 0 ? "closed" : "open", count("pinched_edges"),
               with_count(count("pieces"), "piece").c_str());

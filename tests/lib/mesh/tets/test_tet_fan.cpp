@@ -1,11 +1,14 @@
-// The stencils of isosurface stuffing, through all extreme positions of one lattice tetrahedron.
+// Tetrahedra between the cuts of one lattice tetrahedron, through all extreme positions of two
+// labels and through random ones of three and four.
 #include <cmath>
+#include <map>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "lib/mesh/tets/stencil.h"
-#include "lib/mesh/tets/stuffing.h"
+#include "lib/mesh/tets/cleaving.h"
+#include "lib/mesh/tets/tet_fan.h"
 
 namespace supple::test {
 namespace {
@@ -26,7 +29,6 @@ class Positions {
     const int ring[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
     const auto corner = [&](int n) { return Vec3i(6, 5 + ring[n % 4][0], 5 + ring[n % 4][1]); };
     m_tet.places = {Vec3i(5), {7, 5, 5}, corner(turn), corner(turn + 1)};
-    m_tet.nodes = {0, 1, 2, 3};
   }
 
   void go_through_all() {
@@ -132,30 +134,39 @@ class Positions {
     const auto place = [&](std::int32_t node) {
       return node < 4 ? m_at[std::size_t(node)] : m_cuts[std::size_t(node - 4)];
     };
-    stuff(
-        m_tet, [](int p, int q) { return std::int32_t(4 + 4 * p + q); },
-        [&](int a, int b, int c, int d) {
-          add({place(a), place(b), place(c), place(d)});
-        });
+    TetPoints points;
+    points.corners = {0, 1, 2, 3};
+    for (std::size_t e = 0; e < 6; ++e) {
+      int p = kTetEdges[e][0], q = kTetEdges[e][1];
+      if (m_tet.signs[std::size_t(p)] * m_tet.signs[std::size_t(q)] >= 0) continue;
+      if (m_tet.signs[std::size_t(p)] > 0) std::swap(p, q);
+      points.cuts[e] = 4 + 4 * p + q;
+      points.ranks[e] = edge_rank(m_tet.places[std::size_t(p)], m_tet.places[std::size_t(q)]);
+    }
+    const auto add_inside = [&](int a, int b, int c, int d) {
+      for (const int node : {a, b, c, d}) {
+        if (node < 4 && m_tet.signs[std::size_t(node)] < 0) {
+          return add({place(a), place(b), place(c), place(d)});
+        }
+      }
+    };
+    const std::int32_t tip = points.first_cut(-1);
+    tip < 0 ? add_inside(0, 1, 2, 3) : fan(points, tip, add_inside);
   }
 
   void add(const std::array<Vec3d, 4>& p) {
-    const std::array<Vec3d, 4> normals = {
-        (p[3] - p[1]).cross(p[2] - p[1]), (p[2] - p[0]).cross(p[3] - p[0]),
-        (p[3] - p[0]).cross(p[1] - p[0]), (p[1] - p[0]).cross(p[2] - p[0])};
+    const TetAngles angles(p);
     ++tetrahedra;
-    inverted += (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) > 0 ? 0 : 1;
-    for (std::size_t i = 0; i < 4; ++i) {
-      for (std::size_t j = i + 1; j < 4; ++j) {
-        const double cosine =
-            -normals[i].dot(normals[j]) / (normals[i].length() * normals[j].length());
-        const double angle = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180 / M_PI;
-        least = std::min(least, angle);
-        largest = std::max(largest, angle);
-      }
-    }
+    inverted += tet_volume(p) > 0 ? 0 : 1;
+    least = std::min(least, angle_deg(angles.largest_cosine));
+    largest = std::max(largest, angle_deg(angles.least_cosine));
   }
 
+  /// A tetrahedron of positive volume whose long edges are 0-1 and 2-3.
+  struct LatticeTet {
+    std::array<LatticePlace, 4> places;
+    std::array<std::int8_t, 4> signs;  // -1 inside, 0 on the surface, 1 outside
+  };
   LatticeTet m_tet{};
   std::vector<int> m_warped;
   std::array<Vec3i, 4> m_steps{};
@@ -165,7 +176,7 @@ class Positions {
 
 }  // namespace
 
-TEST(UnitStencil, EveryExtremePositionOfATetrahedronKeepsTheProvenAngles) {
+TEST(UnitTetFan, EveryExtremePositionOfATetrahedronKeepsTheProvenAngles) {
   for (int turn = 0; turn < 2; ++turn) {
     Positions positions(turn);
     positions.go_through_all();
@@ -174,6 +185,67 @@ TEST(UnitStencil, EveryExtremePositionOfATetrahedronKeepsTheProvenAngles) {
     EXPECT_GE(positions.least, kLeastDihedralDeg);
     EXPECT_LE(positions.largest, kLargestDihedralDeg);
     EXPECT_LT(positions.least, kLeastDihedralDeg + 0.1);
+  }
+}
+
+TEST(PropertyTetFan, PartsOfTwoToFourLabelsFillTheTetrahedronAndItsFacesWithoutGaps) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> part(0.2, 0.8);
+  for (int n = 0; n < 2000; ++n) {
+    const std::array<Vec3d, 4> corners = {Vec3d(0), {2, 0, 0}, {1, 1, -1}, {1, 1, 1}};
+    std::vector<Vec3d> places(corners.begin(), corners.end());
+    const auto add = [&](const Vec3d& place) {
+      places.push_back(place);
+      return std::int32_t(places.size() - 1);
+    };
+    TetPoints points;
+    points.corners = {0, 1, 2, 3};
+    std::array<unsigned, 4> labels{};
+    for (unsigned& label : labels) label = random() % 4;
+    for (std::size_t e = 0; e < 6; ++e) {
+      const std::size_t p = std::size_t(kTetEdges[e][0]), q = std::size_t(kTetEdges[e][1]);
+      points.ranks[e] = random();
+      if (labels[p] == labels[q]) continue;
+      points.cuts[e] = add(corners[p] + (corners[q] - corners[p]) * part(random));
+    }
+    std::int32_t tip = points.first_cut(-1);
+    if (tip < 0) continue;
+    for (std::size_t f = 0; f < 4; ++f) {
+      const std::size_t a = f == 0 ? 1 : 0, b = f <= 1 ? 2 : 1, c = f == 3 ? 2 : 3;
+      if (labels[a] == labels[b] || labels[b] == labels[c] || labels[a] == labels[c]) continue;
+      const double u = part(random), v = part(random), w = part(random);
+      points.in_face[f] = add((corners[a] * u + corners[b] * v + corners[c] * w) / (u + v + w));
+      tip = points.in_face[f];
+    }
+    if (places.size() == 14) tip = add((corners[0] + corners[1] + corners[2] + corners[3]) / 4);
+    double volume = 0;
+    std::map<std::array<int, 3>, int> faces;
+    fan(points, tip, [&](int a, int b, int c, int d) {
+      const std::array<int, 4> tet{a, b, c, d};
+      const double own = tet_volume({places[std::size_t(a)], places[std::size_t(b)],
+                                     places[std::size_t(c)], places[std::size_t(d)]});
+      EXPECT_GT(own, 1e-4);
+      volume += own;
+      for (std::size_t f = 0; f < 4; ++f) {
+        std::array<int, 3> face{tet[(f + 1) & 3U], tet[(f + 2) & 3U], tet[(f + 3) & 3U]};
+        std::sort(face.begin(), face.end());
+        ++faces[face];
+      }
+    });
+    EXPECT_NEAR(volume, tet_volume(corners), 1e-12);
+    for (const auto& [face, count] : faces) {
+      bool is_outer = false;
+      for (std::size_t f = 0; f < 4; ++f) {
+        const Vec3d &a = corners[(f + 1) & 3U], &b = corners[(f + 2) & 3U],
+                    &c = corners[(f + 3) & 3U];
+        const Vec3d normal = (b - a).cross(c - a);
+        const auto is_on = [&](int node) {
+          return std::abs(normal.dot(places[std::size_t(node)] - a)) < 1e-12;
+        };
+        is_outer |= is_on(face[0]) && is_on(face[1]) && is_on(face[2]);
+      }
+      ASSERT_EQ(count, is_outer ? 1 : 2) << n;
+    }
   }
 }
 

@@ -1,69 +1,14 @@
-// Isosurface stuffing of random masks: angles, volumes, conformity, and independence of threads.
+// Cleaving of random masks of one label: angles, volumes, and independence of threads.
 #include <cmath>
-#include <random>
 
 #include <gtest/gtest.h>
 
-#include "lib/mesh/tets/make_solid.h"
-#include "lib/mesh/tets/solid_faces.h"
-#include "lib/mesh/tets/solid_quality.h"
+#include "tests/lib/mesh/tets/mesh_cases.h"
 #include "tests/support/errors.h"
 #include "volumes/base/parallel.h"
-#include "volumes/grid/voxel_sets.h"
 
 namespace supple::test {
 namespace {
-
-/// A full affine whose index axes are perpendicular, right- or left-handed.
-Geometry random_geometry(std::mt19937& random, const Vec3i& dims) {
-  std::uniform_real_distribution<double> size(0.7, 1.6), angle(0, 360);
-  const Turn turn = turn_about({size(random), size(random), size(random)}, angle(random));
-  std::array<Vec3d, 3> axes = {turn({size(random), 0, 0}), turn({0, size(random), 0}),
-                               turn({0, 0, size(random)})};
-  if (random() % 2 == 0) axes[2] = -axes[2];
-  return {dims, Vec3d(size(random), -40 * size(random), 7), axes};
-}
-
-/// Voxels that hang together by faces, edges or corners: a walk; or sheets of one voxel, islands,
-/// noise, all of them up to the border.
-BrickTopology random_voxels(std::mt19937& random, const Vec3i& dims) {
-  std::vector<Vec3i> voxels;
-  const auto any = [&](int below) { return int(random() % unsigned(below)); };
-  const auto inside = [&](Vec3i v) {
-    for (int a = 0; a < 3; ++a) v[a] = std::clamp(v[a], 0, dims[a] - 1);
-    return v;
-  };
-  switch (any(4)) {
-    case 0: {
-      Vec3i at(any(dims.x), any(dims.y), any(dims.z));
-      for (int n = 30 + any(400); n > 0; --n) {
-        voxels.push_back(at);
-        at = inside(at + Vec3i(any(3) - 1, any(3) - 1, any(3) - 1));
-      }
-      break;
-    }
-    case 1: {
-      const Vec3i normal(any(5) - 2, any(5) - 2, 1 + any(2));
-      for (int i = 0; i < dims.x; ++i) {
-        for (int j = 0; j < dims.y; ++j) {
-          voxels.push_back(inside({i, j, (normal.x * i + normal.y * j) / normal.z + dims.z / 2}));
-        }
-      }
-      break;
-    }
-    case 2:
-      for (int n = 1 + any(40); n > 0; --n) {
-        voxels.push_back({any(dims.x), any(dims.y), any(dims.z)});
-      }
-      break;
-    default:
-      for (int n = 0; n < dims.x * dims.y * dims.z; ++n) {
-        if (any(3) > 0) continue;
-        voxels.push_back({n % dims.x, n / dims.x % dims.y, n / dims.x / dims.y});
-      }
-  }
-  return topology_of(voxels);
-}
 
 std::string describe(const SolidMesh& mesh, const SolidQuality& quality) {
   return std::to_string(mesh.tets.size()) + " tetrahedra, angles " +
@@ -73,7 +18,7 @@ std::string describe(const SolidMesh& mesh, const SolidQuality& quality) {
 
 }  // namespace
 
-TEST(PropertyStuffing, AThousandRandomMasksAreMeshedWithinTheProvenAngles) {
+TEST(PropertyCleaving, AThousandRandomMasksAreMeshedWithinTheProvenAngles) {
   std::mt19937 random(1);
   double least = 180, largest = 0;
   int meshed = 0;
@@ -87,7 +32,8 @@ TEST(PropertyStuffing, AThousandRandomMasksAreMeshedWithinTheProvenAngles) {
     params.spacing_mm = voxel * std::uniform_real_distribution<double>(0.4, 1.3)(random);
     params.smooth_voxels = random() % 3 == 0 ? 0 : 1;
     const BccLattice lattice(geometry, mask.box, *params.spacing_mm);
-    const SolidMesh mesh = stuff_surface(MaskDistance(mask, params.smooth_voxels), lattice);
+    const LabelField field(mask, {}, params.smooth_voxels, *params.spacing_mm);
+    const SolidMesh mesh = cleave(field, lattice, lattice_tets(field, lattice));
     // A lattice of half the size of a voxel misses not even a single one.
     const bool is_fine = *params.spacing_mm < 0.5 * voxel;
     ASSERT_FALSE(is_fine && mesh.tets.empty()) << n;
@@ -108,34 +54,7 @@ TEST(PropertyStuffing, AThousandRandomMasksAreMeshedWithinTheProvenAngles) {
   EXPECT_GT(largest, 155);
 }
 
-namespace {
-
-VoxelMask ball(double radius, const Vec3d& spacing_mm) {
-  std::vector<Vec3i> voxels;
-  const int reach = 40;
-  for (int i = -reach; i <= reach; ++i) {
-    for (int j = -reach; j <= reach; ++j) {
-      for (int k = -reach; k <= reach; ++k) {
-        if ((Vec3d(i, j, k) * spacing_mm).length() <= radius) {
-          voxels.push_back(Vec3i(reach) + Vec3i(i, j, k));
-        }
-      }
-    }
-  }
-  const Geometry geometry(Vec3i(2 * reach + 1), Vec3d(0) - spacing_mm * double(reach),
-                          {Vec3d(spacing_mm.x, 0, 0), {0, spacing_mm.y, 0}, {0, 0, spacing_mm.z}});
-  return mask_of(geometry, topology_of(voxels));
-}
-
-double volume_of(const SolidMesh& mesh) {
-  double sum = 0;
-  for (const double volume : volumes_mm3(mesh)) sum += volume;
-  return sum;
-}
-
-}  // namespace
-
-TEST(PropertyStuffing, TheMeshIsTheSameWithAnyNumberOfThreads) {
+TEST(PropertyCleaving, TheMeshIsTheSameWithAnyNumberOfThreads) {
   const VoxelMask mask = ball(14, {1, 1, 2});
   SolidParams params;
   params.spacing_mm = 1.7;
@@ -146,9 +65,16 @@ TEST(PropertyStuffing, TheMeshIsTheSameWithAnyNumberOfThreads) {
   EXPECT_EQ(one.nodes_lps_mm, three.nodes_lps_mm);
   ASSERT_EQ(one.faces.size(), 1u);
   EXPECT_EQ(one.faces[0].triangles, three.faces[0].triangles);
+  params.coarser_levels = 2;
+  const VoxelLabel label_of = [](const Vec3i& v) { return 1 + (v.x < 41) + 2 * (v.y < v.z); };
+  const SolidMesh alone = on_threads(1, [&] { return make_tets(mask, label_of, params); });
+  const SolidMesh together = on_threads(3, [&] { return make_tets(mask, label_of, params); });
+  EXPECT_EQ(alone.tets, together.tets);
+  EXPECT_EQ(alone.nodes_lps_mm, together.nodes_lps_mm);
+  EXPECT_EQ(alone.region_of, together.region_of);
 }
 
-TEST(PropertyStuffing, AMeshHasTheVolumeOfItsVoxelsAndABallsNodesLieOnItsSurface) {
+TEST(PropertyCleaving, AMeshHasTheVolumeOfItsVoxelsAndABallsNodesLieOnItsSurface) {
   for (const Vec3d& spacing : {Vec3d(1), Vec3d(0.8, 0.8, 2)}) {
     const VoxelMask mask = ball(16, spacing);
     SolidParams params;
@@ -171,12 +97,13 @@ TEST(PropertyStuffing, AMeshHasTheVolumeOfItsVoxelsAndABallsNodesLieOnItsSurface
   }
 }
 
-TEST(PropertyStuffing, SmoothingTakesStepsAwayAndDoesNotDrawABallIn) {
+TEST(PropertyCleaving, SmoothingTakesStepsAwayAndDoesNotDrawABallIn) {
   const VoxelMask mask = ball(12, Vec3d(1));
   double roughness[2];
   for (const int smooth : {0, 1}) {
-    const MaskDistance distance(mask, smooth);
-    const SolidMesh mesh = stuff_surface(distance, BccLattice(mask.geometry, mask.box, 1));
+    const LabelField field(mask, {}, smooth, 1);
+    const BccLattice lattice(mask.geometry, mask.box, 1);
+    const SolidMesh mesh = cleave(field, lattice, lattice_tets(field, lattice));
     double sum = 0, squares = 0;
     std::int64_t count = 0;
     for (const FaceSet& faces : faces_of_regions(mesh)) {
@@ -194,7 +121,7 @@ TEST(PropertyStuffing, SmoothingTakesStepsAwayAndDoesNotDrawABallIn) {
   EXPECT_LT(roughness[1], 0.7 * roughness[0]);
 }
 
-TEST(PropertyStuffing, AShellOfThreeVoxelsStaysClosed) {
+TEST(PropertyCleaving, AShellOfThreeVoxelsStaysClosed) {
   const VoxelMask outer = ball(15, Vec3d(1)), inner = ball(12, Vec3d(1));
   VoxelMask shell = outer;
   const Vec3i dims = outer.dims();
@@ -225,7 +152,7 @@ TEST(PropertyStuffing, AShellOfThreeVoxelsStaysClosed) {
   }
 }
 
-TEST(UnitStuffing, ABlockUpToTheBorderKeepsItsFacesFlat) {
+TEST(UnitCleaving, ABlockUpToTheBorderKeepsItsFacesFlat) {
   const Geometry geometry(Vec3i(8, 6, 4), Vec3d(0.5), {Vec3d(1, 0, 0), {0, 1, 0}, {0, 0, 1}});
   SolidParams params;
   params.spacing_mm = 1;
@@ -244,7 +171,7 @@ TEST(UnitStuffing, ABlockUpToTheBorderKeepsItsFacesFlat) {
   EXPECT_NEAR(volume_of(mesh), 8 * 6 * 4, 0.08 * 8 * 6 * 4);  // edges are bevelled
 }
 
-TEST(FaultStuffing, WhatCannotBeMeshedIsToldInOneLine) {
+TEST(FaultCleaving, WhatCannotBeMeshedIsToldInOneLine) {
   const VoxelMask mask = ball(3, Vec3d(1));
   SolidParams params;
   params.spacing_mm = 30;
