@@ -133,7 +133,7 @@ SolidMesh make_tets(const VoxelMask& mask, const VoxelLabel& label_of, const Sol
   own.thin = thin.count();
   LatticeTets tets = lattice_tets(field, lattice, grading);
   VoxelMask lost;
-  if (params.thin == ThinParts::keep && own.thin > 0) {
+  if (params.thin == ThinWalls::keep && own.thin > 0) {
     lost = uncovered_voxels(thin, label_of, cleave(field, lattice, tets, nullptr, progress));
     lost = without_rims(lost, mask, label_of, kRimCubes * spacing_mm);
     grading.fine = &lost;

@@ -11,7 +11,7 @@
 namespace supple {
 
 /// What becomes of parts that are thinner than the lattice.
-enum class ThinParts { report, keep };
+enum class ThinWalls { report, keep };
 
 struct SolidParams {
   std::optional<double> spacing_mm;  // of the lattice; most edges are about as long
@@ -22,7 +22,7 @@ struct SolidParams {
   /// less.
   bool keeps_volume = true;
   int coarser_levels = 0;              // inside, edges become up to 2^this times as long
-  ThinParts thin = ThinParts::report;  // keep: smaller cubes where they would be lost
+  ThinWalls thin = ThinWalls::report;  // keep: smaller cubes where they would be lost
 
   /// Throws InputError.
   void validate() const;

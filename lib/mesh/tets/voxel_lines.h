@@ -56,22 +56,28 @@ void for_each_value(const Vec3i& dims, const Work& work) {
 
 using VoxelFlags = std::vector<std::uint8_t>;
 
-/// Takes the largest of the values within a radius along every axis.
+/// Takes the largest of the values within a radius along every axis, by windows that double.
 inline void spread(const Vec3i& dims, const Vec3i& radius, VoxelFlags& bytes) {
   const Box<std::uint8_t> box{dims, bytes};
   for (int axis = 0; axis < 3; ++axis) {
-    const int reach = radius[axis];
-    for_each_lines(
-        box, axis, reach, [&](const std::uint8_t* source, int width, int length, auto&& line) {
-          const int count = axis == 0 ? length : width;
-          for (int m = 0; m < (axis == 0 ? 1 : length); ++m) {
-            std::uint8_t* out = line(m);
-            for (int d = 0; d <= 2 * reach; ++d) {
-              const std::uint8_t* from = source + std::size_t(m + d) * std::size_t(width);
-              for (int i = 0; i < count; ++i) out[i] = std::max(out[i], from[i]);
-            }
-          }
-        });
+    const int reach = radius[axis], window = 2 * reach + 1;
+    for_each_lines(box, axis, reach, [&](std::uint8_t* values, int width, int length, auto&& line) {
+      const auto step = [&](std::uint8_t* out, int ahead, int count) {
+        const std::size_t offset = std::size_t(ahead) * std::size_t(width);
+        const std::uint8_t *here = values, *there = values + offset;
+        const std::size_t end = std::size_t(count) * std::size_t(width);
+        for (std::size_t n = 0; n < end; ++n) out[n] = std::max(here[n], there[n]);
+      };
+      int covered = 1;
+      for (; 2 * covered <= window; covered *= 2) {
+        step(values, covered, length + 2 * reach - 2 * covered + 1);
+      }
+      step(values, window - covered, length);
+      for (int m = 0; m < (axis == 0 ? 1 : length); ++m) {
+        const std::size_t from = std::size_t(m) * std::size_t(width);
+        std::copy_n(values + from, axis == 0 ? length : width, line(m));
+      }
+    });
   }
 }
 

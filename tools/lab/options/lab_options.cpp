@@ -33,9 +33,9 @@ BenchApp add_bench_options(CLI::App& program, BenchCommand& command) {
   CLI::Option* name =
       app->add_option(
              "name", command.bench.name,
-             "Which benchmark: ecm, economy, fem, fit, invert, io, relax, render or springs")
-          ->check(CLI::IsMember(
-              {"ecm", "economy", "fem", "fit", "invert", "io", "relax", "render", "springs"}))
+             "Which benchmark: ecm, economy, fem, fit, invert, io, mesh, relax, render or springs")
+          ->check(CLI::IsMember({"ecm", "economy", "fem", "fit", "invert", "io", "mesh", "relax",
+                                 "render", "springs"}))
           ->option_text("NAME");
   add_field_options(*app, fields(command));
   return {app, name};

@@ -86,9 +86,16 @@ inline double volume_of(const SolidMesh& mesh) {
   return sum;
 }
 
-/// Throws the first fault of a mesh: a face of more than two elements, or an open surface of it or
-/// of a region.
+/// Throws the first fault of a mesh: two nodes at one place, a face of more than two elements, or
+/// an open surface of it or of a region.
 inline void require_conforming(const SolidMesh& mesh) {
+  std::vector<Vec3d> nodes = mesh.nodes_lps_mm;
+  std::sort(nodes.begin(), nodes.end(), [](const Vec3d& a, const Vec3d& b) {
+    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+  });
+  if (std::adjacent_find(nodes.begin(), nodes.end()) != nodes.end()) {
+    throw Error("two nodes at one place");
+  }
   std::vector<std::array<std::int32_t, 3>> all;
   for (const auto& tet : mesh.tets) {
     for (std::size_t f = 0; f < 4; ++f) {

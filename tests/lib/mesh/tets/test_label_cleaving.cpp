@@ -12,14 +12,14 @@ TEST(PropertyLabelCleaving, AThousandRandomMasksOfLabelsAreMeshedConformingAndWi
   double least = 180, largest = 0;
   int meshed = 0, with_junctions = 0, graded = 0;
   for (int n = 0; n < 1000; ++n) {
-    const Vec3i dims(2 + int(random() % 6), 2 + int(random() % 6), 2 + int(random() % 6));
+    const Vec3i dims(2 + int(random() % 5), 2 + int(random() % 5), 2 + int(random() % 5));
     const Geometry geometry = random_geometry(random, dims);
     const VoxelMask mask = mask_of(geometry, random_voxels(random, dims));
     // Labels by voxel, or by the nearest of a few seeds.
     const int count = 2 + int(random() % 5);
     std::vector<Vec3i> seeds;
     for (int s = 0; s < count; ++s) {
-      seeds.push_back({int(random() % 6), int(random() % 6), int(random() % 6)});
+      seeds.push_back({int(random() % 5), int(random() % 5), int(random() % 5)});
     }
     const bool is_noise = random() % 2 == 0;
     const VoxelLabel label_of = [&](const Vec3i& v) {
@@ -151,7 +151,7 @@ TEST(PropertyLabelCleaving, PartsThinnerThanTheLatticeAreToldOrKept) {
   params.spacing_mm = 4;
   SolidReport told, kept;
   const SolidMesh without = make_tets(mask, params, 1, "surface", &told);
-  params.thin = ThinParts::keep;
+  params.thin = ThinWalls::keep;
   const SolidMesh with = make_tets(mask, params, 1, "surface", &kept);
   EXPECT_GE(told.thin, 903);
   EXPECT_GT(told.thin_lost, 600);
