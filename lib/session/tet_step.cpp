@@ -39,16 +39,9 @@ Fields fields(TetStep& step) {
           .shown_as("FILE")
           .otherwise("made of the body")
           .path(),
-      Field("spacing", step.solid.spacing_mm, "Edge of the lattice's cubes")
-          .unit("mm")
-          .positive()
-          .recorded_as("spacing_mm"),
-      Field("elements", step.solid.elements, "About so many tetrahedra, where no spacing is given")
-          .range(1, 1e8),
-      Field("smooth", step.solid.smooth_voxels,
-            "Standard deviation by which steps of voxels are smoothed")
-          .unit("voxel")
-          .range(0, 10),
+  };
+  for (const Field& field : fields(step.solid)) all.push_back(field);
+  const Fields more = {
       Field("bins", step.bins, "At most so many materials, in steps of equal ratio")
           .range(1, 10000),
       Field("labels", step.has_labels, "Labels are regions of the mesh, with borders between them"),
@@ -63,6 +56,7 @@ Fields fields(TetStep& step) {
       Field("free_rims", step.frees_rims, "Rims of openings may pass the shell"),
       Field("clamped", step.clamps, "Sheets do not turn along edges between held nodes"),
   };
+  all.insert(all.end(), more.begin(), more.end());
   for (Field& field : all) field.only_in_scenes();
   return all;
 }

@@ -107,6 +107,29 @@ int halvings_for(const Geometry& geometry, double spacing_mm) {
 
 }  // namespace
 
+Fields fields(SolidParams& params) {
+  return {
+      Field("spacing", params.spacing_mm,
+            "Edge of the lattice's cubes; edges of elements are about as long")
+          .unit("mm")
+          .positive()
+          .recorded_as("spacing_mm"),
+      Field("elements", params.elements, "About so many, where no spacing is given").range(1, 1e9),
+      Field("smooth", params.smooth_voxels,
+            "Standard deviation by which steps of voxels are smoothed")
+          .unit("voxel")
+          .range(0, 10),
+      Field("keep_volume", params.keeps_volume,
+            "Move the surface as a whole until the volume is that of the voxels"),
+      Field("coarser", params.coarser_levels,
+            "Inside, edges become up to 2^LEVELS times as long, away from borders")
+          .shown_as("LEVELS"),
+      Field("thin", params.thin, {"report", "keep"},
+            "Parts that are thinner than the lattice: told in ml, or kept by edges of some half a "
+            "voxel where they would be lost"),
+  };
+}
+
 void SolidParams::validate() const {
   if (spacing_mm) require(*spacing_mm > 0, "spacing", *spacing_mm, "a positive number of mm");
   require(elements >= 1, "elements", elements, "a number from 1 on");

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "lib/mesh/tets/cleaving.h"
+#include "volumes/base/fields.h"
 
 namespace supple {
 
@@ -27,6 +28,9 @@ struct SolidParams {
   /// Throws InputError.
   void validate() const;
 };
+
+/// Settings as people name them.
+Fields fields(SolidParams& params);
 
 /// The lattice's spacing: as given, or so that a body of this volume has about so many elements.
 double spacing_for(const SolidParams& params, double volume_mm3);

@@ -75,8 +75,9 @@ FemStep read_tets(Table& table, const LabelNames& names) {
     tets.sheets.push_back(read_sheet(sheet, names));
   }
   if (!tets.mesh.empty()) {
-    for (const char* key : {"spacing", "elements", "smooth"}) {
-      if (table.has(key)) table.fail(key, std::string(key) + " beside mesh", "one of them");
+    for (const Field& field : fields(tets.solid)) {
+      const std::string& key = field.name();
+      if (table.has(key)) table.fail(key, key + " beside mesh", "one of them");
     }
   }
   require_names(table, tets);

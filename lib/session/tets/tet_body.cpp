@@ -106,7 +106,10 @@ void name_openings(const TetStep& step, const Body& body, const DensityGrid& den
 }
 
 /// The region of elements without a label: 0 is what lies outside of a mesh.
-constexpr std::int32_t kUnlabelled = -1;
+constexpr std::int32_t kUnlabelled = kMaxLabel + 1;
+std::int32_t region_of_label(std::int32_t label) {
+  return label == 0 ? kUnlabelled : label;
+}
 
 std::map<std::int32_t, std::string> numbers_as_names(const SolidMesh& mesh) {
   std::map<std::int32_t, std::string> names;
@@ -145,8 +148,8 @@ bool has_materials(const SolidMesh& mesh) {
 }  // namespace
 
 std::string border_name(std::int32_t first, std::int32_t second) {
-  return std::to_string(std::min(first, second)) + kBetween +
-         std::to_string(std::max(first, second));
+  if (region_of_label(first) > region_of_label(second)) std::swap(first, second);
+  return std::to_string(first) + kBetween + std::to_string(second);
 }
 
 FaceSet loaded_faces(const std::string& name, const SlotSet& elements,
@@ -177,16 +180,17 @@ TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& 
   };
   const bool is_made = step.mesh.empty();
   SolidMesh& mesh = tets.mesh;
-  mesh = is_made ? make_tets(mask, step.solid, 1, "surface", nullptr, progress)
-                 : read_solid_mesh(step.mesh);
   if (step.has_labels && labels.empty()) {
     throw InputError({"", "labels", "a volume without labels", "a table [labels]"});
   }
-  if (step.has_labels) {
-    give_regions(mesh, mask, [&](const Vec3i& voxel) {
-      const std::int32_t label = label_of(voxel);
-      return label == 0 ? kUnlabelled : label;
-    });
+  const VoxelLabel region_of = [&](const Vec3i& voxel) { return region_of_label(label_of(voxel)); };
+  if (!is_made) {
+    mesh = read_solid_mesh(step.mesh);
+    if (step.has_labels) give_regions(mesh, mask, region_of);
+  } else if (step.has_labels) {
+    mesh = make_tets(mask, region_of, step.solid, {}, nullptr, progress);
+  } else {
+    mesh = make_tets(mask, step.solid, 1, "surface", nullptr, progress);
   }
   mesh.faces = faces_of_regions(mesh, numbers_as_names(mesh));
   if (is_made || !has_materials(mesh)) {

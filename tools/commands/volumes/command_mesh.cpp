@@ -36,7 +36,7 @@ struct MeshOptions {
 };
 
 Fields fields(MeshOptions& options) {
-  return {
+  Fields all = {
       Field("range", options.range, "Densities that are meshed")
           .shown_as("LO,HI")
           .otherwise("those that the material has, else all above the least"),
@@ -44,30 +44,17 @@ Fields fields(MeshOptions& options) {
             "The number of largest pieces that are kept; pieces hang together by faces")
           .at_least(0)
           .otherwise("as the material says, else all"),
-      Field("spacing", options.solid.spacing_mm,
-            "Edge of the lattice's cubes; edges of elements are about as long")
-          .unit("mm")
-          .positive(),
-      Field("elements", options.solid.elements, "About so many, where no spacing is given")
-          .range(1, 1e9),
-      Field("smooth", options.solid.smooth_voxels,
-            "Standard deviation by which steps of voxels are smoothed")
-          .unit("voxel")
-          .range(0, 10),
-      Field("keep_volume", options.solid.keeps_volume,
-            "Move the surface as a whole until the volume is that of the voxels"),
-      Field("coarser", options.solid.coarser_levels,
-            "Inside, edges become up to 2^LEVELS times as long, away from borders")
-          .shown_as("LEVELS"),
-      Field("thin", options.solid.thin, {"report", "keep"},
-            "Parts that are thinner than the lattice: told in ml, or kept by edges of some half a "
-            "voxel where they would be lost"),
+  };
+  for (const Field& field : fields(options.solid)) all.push_back(field);
+  const Fields more = {
       Field("hex", options.hex,
             "Hexahedra of blocks of so many voxels along each axis: 1, 2, 4 … 64")
           .shown_as("VOXELS"),
       Field("bins", options.bins, "At most so many materials, in steps of equal ratio")
           .range(1, 10000),
   };
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
 }
 
 /// The voxels that become elements, with their densities or labels and the material's curves.
