@@ -3,7 +3,7 @@
 
   make.py [--supple PROGRAM] [--data FOLDER] [--anew] [PART ...]
 
-Parts are prepare, tables, shell, parts and pictures; all of them without. FOLDER has ch2bet.nii.gz, ch2.nii.gz, aal.nii.gz and
+Parts are prepare, tables, finite, shell, parts and pictures; all of them without. FOLDER has ch2bet.nii.gz, ch2.nii.gz, aal.nii.gz and
 jhu189.nii.gz of Debian's mricron-data (build/data). Results of sweeps are kept in build/craniotomy, so that the
 command goes on where it was ended; where the scene has changed, --anew drops them. `parts` needs numpy and nibabel (Debian: python3-nibabel), the others Python alone.
 """
@@ -55,7 +55,7 @@ def opening_keys(name):
     return {"step.tets.openings.toward": str(toward), "step.tets.openings.degrees": str(degrees)}
 
 
-PARTS = ["prepare", "tables", "shell", "parts", "pictures"]
+PARTS = ["prepare", "tables", "finite", "shell", "parts", "pictures"]
 
 
 class Study:
@@ -199,6 +199,16 @@ def shell(study):
                                    "Dura opened: ΔV/V %, held", "shell", "least det F"], lines))
 
 
+def finite(study):
+    """The Dura opened, at finite strain."""
+    cases = [{**opening_keys(name), "step.tets.swellings": swellings(p), "step.tets.strain": "finite"}
+             for p in PRESSURES_MMHG for name in OPENINGS]
+    rows = iter(study.sweep("finite", cases))
+    text = lambda row: f"{row['percent']:.2f} ({float(row['smallest_det_f']):.2f})" if row["percent"] else "no end"
+    write_block("finite", markdown(["mmHg before", *OPENINGS],
+                                   [[str(p), *(text(next(rows)) for _ in OPENINGS)] for p in PRESSURES_MMHG]))
+
+
 def brain_labels(study):
     labels = os.path.join(study.made, "brain_labels.nii.gz")
     if not os.path.exists(labels):
@@ -265,6 +275,8 @@ def main():
         table_6_3(study, thesis)
         tables_6_1_and_6_2(study, thesis)
         diagrams(study)
+    if "finite" in wanted:
+        finite(study)
     if "shell" in wanted:
         shell(study)
     if "parts" in wanted:
