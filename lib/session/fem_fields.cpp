@@ -15,7 +15,7 @@ const char* name_of(LoadKind kind) {
 }
 
 std::optional<Problem> contradiction(const FemStep& step) {
-  if (step.tets) return contradiction(*step.tets);
+  if (step.tets) return contradiction(*step.tets, step.params.strain);
   const bool is_finite = step.params.strain == StrainTheory::finite;
   if (step.motion && is_finite) return Problem{"", "strain", "finite beside a motion", "linear"};
   const char* const beside = step.modes ? "modes" : step.motion ? "a motion" : nullptr;
@@ -86,11 +86,24 @@ Fields fields(FemStep& step) {
   return all;
 }
 
+FemStep make_tet_step() {
+  FemStep step;
+  step.tets = std::make_shared<TetStep>();
+  step.params.max_iterations = 5000;  // of incomplete factors, which take more of them
+  return step;
+}
+
 Fields tet_fields(FemStep& step) {
   Fields all = fields(*step.tets);
+  all.push_back(Field("tolerance", step.params.tolerance,
+                      "Largest force left on a node, of the largest there is")
+                    .positive());
+  all.push_back(Field("reaction_tolerance", step.params.reaction_tolerance,
+                      "Largest change of the reactions in the last iteration, relative")
+                    .positive());
   for (const Field& field : fields(step)) {
-    for (const char* name : {"strain", "tolerance", "reaction_tolerance", "max_iterations", "loose",
-                             "max_rotation", "max_strain", "gravity"}) {
+    for (const char* name :
+         {"strain", "max_iterations", "loose", "max_rotation", "max_strain", "gravity"}) {
       if (field.name() == name) all.push_back(field);
     }
   }

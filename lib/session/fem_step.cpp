@@ -75,15 +75,11 @@ void warn_of_result(const FemStep& step, const FemRecord& record, Progress* prog
     if (!step.motion) line += " in " + with_count(report.beyond_elements, "element");
     warn(progress, line);
   }
-  if (record.links.violated > 0) {
-    warn(progress, "finite elements left " + with_count(record.links.violated, "link") + " of " +
-                       std::to_string(record.links.links) +
-                       " beyond the material's limits, by at most " +
-                       number_text(record.links.worst_excess_voxels) +
-                       (step.links_beyond == LinksBeyond::keep
-                            ? " voxels; later drags keep them, a relaxation projects them"
-                            : " voxels; a later drag or relaxation projects them"));
-  }
+  warn_of_links(record.links, "finite elements",
+                step.links_beyond == LinksBeyond::keep
+                    ? "later drags keep them, a relaxation projects them"
+                    : "a later drag or relaxation projects them",
+                progress);
 }
 
 /// Modes count from rest and with all that is held at rest; neither loads nor handles act.

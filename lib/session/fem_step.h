@@ -86,6 +86,8 @@ Fields fields(FemStep& step);
 Field accuracy_field(FemStep& step);
 /// Keys of these that are options of the command line, too.
 Fields option_fields(FemStep& step);
+/// A step on tetrahedra by its defaults.
+FemStep make_tet_step();
 /// Keys of `tets = { … }`, but for its loads, openings and sheets.
 Fields tet_fields(FemStep& step);
 /// Keys of a load, but for the elements: `force_n`, or `pressure_kpa` and `facing`.

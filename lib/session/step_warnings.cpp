@@ -100,6 +100,14 @@ void warn_of_missed_pieces(const Body& body, const SlotSet& held, const SlotSet&
                      four_digits(least_mm) + " mm from the anchors");
 }
 
+void warn_of_links(const LinkCheck& links, const std::string& model, const std::string& later,
+                   Progress* progress) {
+  if (links.violated == 0) return;
+  warn(progress, model + " left " + with_count(links.violated, "link") + " of " +
+                     std::to_string(links.links) + " beyond the material's limits, by at most " +
+                     number_text(links.worst_excess_voxels) + " voxels; " + later);
+}
+
 void warn_of_moved_pieces(const Body& body, const std::vector<RigidPiece>& before,
                           const std::vector<PieceMotion>& grabbed, Progress* progress) {
   std::int64_t moved = 0;

@@ -23,6 +23,9 @@ void warn_of_report(const SidesReport& report, Progress* progress);
 void warn_of_sides(const SidesReport& report, Progress* progress);
 /// Free pieces that were kept out of others, and those that could not be.
 void warn_of_meetings(const std::vector<BoneMeeting>& meetings, Progress* progress);
+/// Links that `model` has left beyond the material's limits, and what becomes of them.
+void warn_of_links(const LinkCheck& links, const std::string& model, const std::string& later,
+                   Progress* progress);
 void warn_of_report(const BallReport& report, Progress* progress);
 void warn_of_report(const TightenReport& report, Progress* progress);
 /// `check`: of the links after a relaxation that may break them.

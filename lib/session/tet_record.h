@@ -23,7 +23,9 @@ struct TetRecord {
   std::int64_t tetrahedra = 0, nodes = 0, outer_faces = 0;
   double mesh_ml = 0, voxels_ml = 0;  // at rest
   double least_dihedral_deg = 0, largest_dihedral_deg = 0;
-  std::int64_t unmeshed = 0;     // voxels too far from all tetrahedra, which stay at rest
+  std::int64_t unmeshed = 0;     // voxels in parts that the mesh leaves out, which stay at rest
+  std::int64_t far = 0;          // voxels that go with a tetrahedron far away
+                                 // voxels too far from all tetrahedra, which stay at rest
   double mean_pressure_kpa = 0;  // of all elements by volume, positive where compressed
   std::vector<TetOpeningRecord> openings;
   std::optional<ShellContactReport> shell;

@@ -81,12 +81,17 @@ Value settings_value(const TetStep& step) {
   return value;
 }
 
-std::optional<Problem> contradiction(const TetStep& step) {
-  if ((step.frees_rims || step.has_planes) && step.outside != TetOutside::shell) {
+std::optional<Problem> contradiction(const TetStep& step, StrainTheory strain) {
+  const bool is_shell = step.outside == TetOutside::shell;
+  if (strain == StrainTheory::finite && (is_shell || step.equations == TetEquations::factor)) {
+    return Problem{"", "strain", is_shell ? "finite beside a shell" : "finite beside factor",
+                   "linear"};
+  }
+  if ((step.frees_rims || step.has_planes) && !is_shell) {
     return Problem{"", step.frees_rims ? "free_rims" : "shell_planes", "no shell",
                    "outside = \"shell\""};
   }
-  if (step.outside == TetOutside::shell && step.equations == TetEquations::factor) {
+  if (is_shell && step.equations == TetEquations::factor) {
     return Problem{"", "equations", "factor beside a shell", "gradients"};
   }
   for (const TetSheet& sheet : step.sheets) {
@@ -130,6 +135,7 @@ Value to_value(const TetRecord& record) {
                 {"least_dihedral_deg", record.least_dihedral_deg},
                 {"largest_dihedral_deg", record.largest_dihedral_deg},
                 {"unmeshed_voxels", record.unmeshed},
+                {"far_voxels", record.far},
                 {"mean_pressure_kpa", record.mean_pressure_kpa}};
   for (const TetOpeningRecord& opening : record.openings) {
     json["openings"].push_back(to_value(opening));

@@ -59,6 +59,6 @@ Fields fields(TetStep& step);
 /// Returns the step as a journal records it.
 Value settings_value(const TetStep& step);
 /// The key of a step that another one of it rules out; its file is empty.
-std::optional<Problem> contradiction(const TetStep& step);
+std::optional<Problem> contradiction(const TetStep& step, StrainTheory strain);
 
 }  // namespace supple

@@ -116,7 +116,7 @@ Value options_of(const std::string& kind) {
     if (kind != model.name || !model.fields) continue;
     Step step;
     model.choose(step);
-    if (step.fem) {
+    if (step.fem && !step.fem->tets) {
       step.fem->params.set_accuracy(FemAccuracy::picture);  // which a page is for
       step.fem->links_beyond = LinksBeyond::keep;
     }

@@ -47,6 +47,9 @@ TetSheet read_sheet(Table& table, const LabelNames& names) {
 void require_names(Table& table, const TetStep& tets) {
   std::vector<std::string> known{kOutside};
   for (const TetOpening& opening : tets.openings) {
+    if (opening.name.find(" to ") != std::string::npos || opening.name.rfind("pressure ", 0) == 0) {
+      table.fail("openings", opening.name, "a name unlike \"1 to 2\" and \"pressure 1\"");
+    }
     if (std::count(known.begin(), known.end(), opening.name) > 0) {
       table.fail("openings", "a second " + opening.name, "a name of its own");
     }
@@ -63,8 +66,7 @@ void require_names(Table& table, const TetStep& tets) {
 }  // namespace
 
 FemStep read_tets(Table& table, const LabelNames& names) {
-  FemStep fem;
-  fem.tets = std::make_shared<TetStep>();
+  FemStep fem = make_tet_step();
   TetStep& tets = *fem.tets;
   table.read(tet_fields(fem));
   read_loads(table, names, fem);

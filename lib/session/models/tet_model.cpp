@@ -1,5 +1,6 @@
 // Finite elements on tetrahedra as the model of a step.
 #include <cmath>
+#include <filesystem>
 
 #include "lib/fem/voxel/fem_cost.h"
 #include "lib/session/file/tet_keys.h"
@@ -13,6 +14,11 @@ namespace {
 
 /// Nodes per tetrahedron in a lattice, for plans.
 constexpr double kNodesPerTet = 0.2, kMiddlesPerTet = 1.2;
+/// Likewise: of a file, of a voxel's place in the mesh and its way, of exact factors by the 4/3rd
+/// power of their unknowns.
+constexpr double kFileBytesPerTet = 40, kBytesPerVoxel = 80, kFactorBytes = 130;
+/// Linear systems of a step at finite strain.
+constexpr double kFiniteSolutions = 30;
 
 /// The settings that the mesh depends on, and the material, as text.
 std::string key_of(const TetStep& step, const SessionBody& in) {
@@ -62,22 +68,35 @@ void check_tets(const Step& step, const SessionBody& in) {
   if (!in.body.rigid.empty()) refuse("rigid", "a body with rigid pieces");
 }
 
-ModelCost cost_of_tets(const Step& step, const Body& body) {
-  const TetStep& tets = *step.fem->tets;
-  double count = tets.solid.elements;
-  if (tets.solid.spacing_mm) {
-    const double mm3 = double(body.elements.active_count()) * std::abs(body.geometry.determinant());
-    SolidParams single;
-    single.elements = 1;
-    count = std::pow(spacing_for(single, mm3) / *tets.solid.spacing_mm, 3);
+/// About so many, by the settings or by the size of the mesh's file.
+double count_tets(const TetStep& tets, const Body& body) {
+  if (!tets.mesh.empty()) {
+    std::error_code failed;
+    const auto bytes = std::filesystem::file_size(tets.mesh, failed);
+    return failed ? tets.solid.elements : double(bytes) / kFileBytesPerTet;
   }
+  if (!tets.solid.spacing_mm) return tets.solid.elements;
+  SolidParams single;
+  single.elements = 1;
+  const double mm3 = double(body.elements.active_count()) * std::abs(body.geometry.determinant());
+  return std::pow(spacing_for(single, mm3) / *tets.solid.spacing_mm, 3);
+}
+
+ModelCost cost_of_tets(const Step& step, const Body& body) {
+  const FemStep& fem = *step.fem;
+  const TetStep& tets = *fem.tets;
+  const double count = count_tets(tets, body);
   const bool is_quadratic = tets.element == TetElement::quadratic;
+  const bool is_linear = tets.element == TetElement::linear;
   const double unknowns = 3 * count * (kNodesPerTet + (is_quadratic ? kMiddlesPerTet : 0));
   ModelCost cost{{unknowns, "unknowns"}, {200, "iterations"}};
-  const double per_unknown = tets.element == TetElement::linear ? 800 : 2800;
-  const double per_element = 80;  // of the body: its place in the mesh, and where it goes
-  cost.bytes = unknowns * per_unknown + per_element * double(body.elements.active_count());
-  cost.units = unknowns * cost.passes.count * (tets.element == TetElement::linear ? 0.5 : 3);
+  cost.bytes =
+      unknowns * (is_linear ? 800 : 2800) + kBytesPerVoxel * double(body.elements.active_count());
+  cost.units = unknowns * cost.passes.count * (is_linear ? 0.5 : 3);
+  if (tets.equations == TetEquations::factor) {  // fronts grow faster than the mesh
+    cost.bytes += kFactorBytes * std::pow(unknowns, 4.0 / 3);
+  }
+  if (fem.params.strain == StrainTheory::finite) cost.units *= kFiniteSolutions;
   cost.unit = kFemUnknownCost;
   return cost;
 }
@@ -91,7 +110,7 @@ StepModel tet_model() {
   model.menu = "Tetrahedra, after a drag";
   model.waits_for_hands = true;
   model.moves = [](const Step& step) { return step.fem && step.fem->tets; };
-  model.choose = [](Step& step) { step.fem.emplace().tets = std::make_shared<TetStep>(); };
+  model.choose = [](Step& step) { step.fem = make_tet_step(); };
   model.fields = [](Step& step) { return tet_fields(*step.fem); };
   model.read = [](Table& table, const LabelNames& names, Step& step) {
     step.fem = read_tets(table, names);

@@ -9,6 +9,7 @@
 #include "lib/mesh/tets/element_regions.h"
 #include "lib/mesh/tets/solid_faces.h"
 #include "lib/mesh/tets/solid_quality.h"
+#include "volumes/base/text.h"
 #include "volumes/base/units.h"
 #include "volumes/io/solid/solid_mesh_file.h"
 
@@ -140,9 +141,50 @@ std::vector<double> mass_densities(const TetBody& tets, const Body& body) {
   return sums;
 }
 
+/// True where all elements have a stiffness of the file.
 bool has_materials(const SolidMesh& mesh) {
-  return std::any_of(mesh.materials.begin(), mesh.materials.end(),
-                     [](const SolidMaterial& material) { return material.young_kpa > 0; });
+  const auto is_stiff = [&](std::int32_t of) {
+    return of >= 0 && std::size_t(of) < mesh.materials.size() &&
+           mesh.materials[std::size_t(of)].young_kpa > 0;
+  };
+  return !mesh.material_of.empty() &&
+         std::all_of(mesh.material_of.begin(), mesh.material_of.end(), is_stiff);
+}
+
+/// Volumes of meshes this many times that of the voxels, or a part as small, are in other units.
+constexpr double kOtherUnits = 1000;
+
+/// A mesh of a file without nodes of no tetrahedron, such as those in the middles of edges, as one
+/// region. Throws InputError: hexahedra, another unit of length.
+SolidMesh read_tets_of(const std::string& path, double voxels_mm3) {
+  SolidMesh mesh = read_solid_mesh(path);
+  if (!mesh.hexes.empty()) {
+    throw InputError(
+        {path, "mesh", std::to_string(mesh.hexes.size()) + " hexahedra", "tetrahedra alone"});
+  }
+  std::vector<std::int32_t> number(mesh.nodes_lps_mm.size(), -1);
+  std::vector<Vec3d> nodes;
+  for (auto& tet : mesh.tets) {
+    for (std::int32_t& node : tet) {
+      std::int32_t& of = number[std::size_t(node)];
+      if (of < 0) {
+        of = std::int32_t(nodes.size());
+        nodes.push_back(mesh.nodes_lps_mm[std::size_t(node)]);
+      }
+      node = of;
+    }
+  }
+  mesh.nodes_lps_mm = std::move(nodes);
+  mesh.region_of.clear();
+  mesh.faces.clear();
+  double mm3 = 0;
+  for (const double volume : volumes_mm3(mesh)) mm3 += std::abs(volume);
+  if (!(mm3 < voxels_mm3 * kOtherUnits && mm3 > voxels_mm3 / kOtherUnits)) {
+    throw InputError({path, "mesh", number_text(mm3 * kMlPerMm3) + " ml",
+                      "a mesh of the body, which has " + number_text(voxels_mm3 * kMlPerMm3) +
+                          " ml, in LPS millimetres"});
+  }
+  return mesh;
 }
 
 }  // namespace
@@ -185,7 +227,7 @@ TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& 
   }
   const VoxelLabel region_of = [&](const Vec3i& voxel) { return region_of_label(label_of(voxel)); };
   if (!is_made) {
-    mesh = read_solid_mesh(step.mesh);
+    mesh = read_tets_of(step.mesh, mask.volume_mm3());
     if (step.has_labels) give_regions(mesh, mask, region_of);
   } else if (step.has_labels) {
     mesh = make_tets(mask, region_of, step.solid, {}, nullptr, progress);
@@ -198,7 +240,7 @@ TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& 
   }
   poll(progress);
   name_openings(step, body, density, labels, tets);
-  tets.sites = voxel_sites(mesh, body.geometry, body.elements);
+  tets.sites = voxel_sites(mesh, body.geometry, body.elements, &tets.far);
   tets.unmeshed = std::count_if(tets.sites.begin(), tets.sites.end(),
                                 [](const VoxelSite& site) { return site.tet < 0; });
   if (tets.unmeshed == std::int64_t(tets.sites.size())) {

@@ -19,7 +19,7 @@ struct TetBody {
   std::vector<double> density_kg_m3;               // per material of the mesh
   std::vector<std::array<std::int32_t, 3>> outer;  // faces of the surface, seen from outside
   double voxels_ml = 0;
-  std::int64_t unmeshed = 0;
+  std::int64_t unmeshed = 0, far = 0;  // voxels, as TetRecord
 };
 
 /// A mesh and what it was made of: settings and material as text, and the elements.
@@ -29,8 +29,8 @@ struct KeptTets {
   TetBody body;
 };
 
-/// Throws InputError: an opening without faces, labels that have no border, a mesh that lies beside
-/// the body, a material without stiffness, as make_tets() and read_solid_mesh(); Cancelled.
+/// Throws InputError: an opening without faces, hexahedra, a mesh that is not of the body, a
+/// material without stiffness, as make_tets() and read_solid_mesh(); Cancelled.
 TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& density,
                       const BrickValues& labels, Progress* progress);
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kNearlyLinear = 0.02;
 
 /// Across a grip that is thin beyond this there is no slope.
-constexpr double kThin = 1e-9;
+constexpr double kThin = 1e-5;
 
 /// The linear part of the motion of a grip, in voxels per voxel.
 class GripSlope {
@@ -48,7 +48,7 @@ class GripSlope {
     for_each([&](const Vec3d& at, const Vec3d& u) {
       largest = std::max(largest, (u - offset - along_way(at - place)).length());
     });
-    if (largest > kNearlyLinear) m_slope.fill(Vec3d(0));
+    if (!(largest <= kNearlyLinear)) m_slope.fill(Vec3d(0));
   }
 
   Vec3d along_way(const Vec3d& way) const {

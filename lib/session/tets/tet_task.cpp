@@ -7,6 +7,7 @@
 #include "lib/chainmail/held_voxels.h"
 #include "lib/mesh/tets/solid_quality.h"
 #include "lib/model/fem_grips.h"
+#include "lib/session/step_warnings.h"
 #include "lib/session/tet_record.h"
 #include "lib/session/tets/tet_grips.h"
 #include "volumes/base/parallel.h"
@@ -18,9 +19,8 @@ namespace supple {
 
 namespace {
 
-/// Tolerance of what a picture shows: incomplete factors leave more of an error than a multigrid
-/// cycle at the same residual.
-constexpr double kTolerancePicture = 1e-3;
+/// The part of the voxels' volume by which that of a mesh may differ without a warning.
+constexpr double kLargeDifference = 0.1;
 
 /// Shape functions of a tetrahedron's nodes at corner weights.
 std::array<double, 10> shape_functions(const std::array<float, 4>& weight, std::size_t nodes) {
@@ -103,8 +103,18 @@ TetModel TetRun::make_model() const {
   std::vector<ElasticSheet> sheets;
   for (const TetSheet& sheet : m_settings.sheets) {
     sheets.push_back(sheet.sheet);
-    if (sheet.between)
-      sheets.back().faces = border_name(sheet.between->first, sheet.between->second);
+    if (!sheet.between) continue;
+    const auto [first, second] = *sheet.between;
+    sheets.back().faces = border_name(first, second);
+    const bool is_there =
+        std::any_of(m_mesh.faces.begin(), m_mesh.faces.end(),
+                    [&](const auto& set) { return set.name == sheets.back().faces; });
+    if (!is_there) {
+      throw InputError({"", "between",
+                        "labels " + std::to_string(first) + " and " + std::to_string(second) +
+                            ", which share no face",
+                        "labels that touch"});
+    }
   }
   return TetModel(m_mesh, m_settings.element, std::move(sheets));
 }
@@ -122,6 +132,9 @@ void TetRun::add_force(const SlotSet& elements, const Vec3d& force_n, TetLoads& 
     for (std::size_t n = 0; n < of_tets.count(tet); ++n) parts[of_tets.nodes(tet)[n]] += shape[n];
     ++all;
   });
+  if (all == 0) {
+    throw InputError({"", "forces", "voxels that no tetrahedron reaches", "voxels in the mesh"});
+  }
   for (const auto& [node, part] : parts) {
     loads.forces.push_back({node, force_n * (part / all * kMnPerN)});
   }
@@ -161,7 +174,7 @@ void TetRun::add_loads(TetLoads& loads) const {
   }
 }
 
-/// What grips hold, and after it the outer faces that are held and no grip has.
+/// Holds the nodes of grips, and after them those of the outer faces that no grip has.
 void TetRun::hold(const std::vector<FemGrip>& grips, TetLoads& loads) const {
   loads.held = held_nodes(grips, m_task.held.body, *m_model, m_tets.sites);
   if (m_settings.outside == TetOutside::held) {
@@ -184,9 +197,6 @@ void TetRun::solve(const TetLoads& loads, Progress* progress) {
   params.strain = m_step.params.strain;
   params.tolerance = m_step.params.tolerance;
   params.reaction_tolerance = m_step.params.reaction_tolerance;
-  if (m_step.params.accuracy == FemAccuracy::picture) {
-    params.tolerance = params.reaction_tolerance = kTolerancePicture;
-  }
   params.max_iterations = m_step.params.max_iterations;
   params.loose = m_step.params.loose;
   params.limits = limits_of(m_step.params);
@@ -319,6 +329,7 @@ FemRecord TetRun::run(const std::vector<Handle>& handles, Progress* progress) {
   for (const auto& [region, mm3] : quality.volume_mm3) own->mesh_ml += mm3 * kMlPerMm3;
   own->voxels_ml = m_tets.voxels_ml;
   own->unmeshed = m_tets.unmeshed;
+  own->far = m_tets.far;
   own->shell = m_shell;
   record.report = m_solution.report;
   record.report.smallest_det_f = m_solution.least_det_f;
@@ -339,21 +350,32 @@ FemRecord TetRun::run(const std::vector<Handle>& handles, Progress* progress) {
   return record;
 }
 
-void warn_of_result(const FemRecord& record, Progress* progress) {
+void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
   const TetRecord& own = *record.tets;
   const FemReport& report = record.report;
   if (own.unmeshed > 0) {
     warn(progress, "tetrahedra: " + with_count(own.unmeshed, "voxel") +
-                       " too far from all of them, left at rest");
+                       " in parts that the mesh leaves out, left at rest");
+  }
+  if (own.far > 0) {
+    warn(progress, "tetrahedra: " + with_count(own.far, "voxel") + " more than " +
+                       std::to_string(kNearRings) + " voxels from all of them, led by the nearest");
+  }
+  if (std::abs(own.mesh_ml - own.voxels_ml) > kLargeDifference * own.voxels_ml) {
+    warn(progress, "tetrahedra: the mesh has " + number_text(own.mesh_ml) + " ml, the voxels " +
+                       number_text(own.voxels_ml) + " ml");
   }
   if (report.loose_islands > 0) {
     warn(progress, "tetrahedra: nothing holds " + with_count(report.loose_islands, "island") +
-                       " of " + std::to_string(report.loose_elements) + " tetrahedra" +
-                       ", left at rest");
+                       " of " + std::to_string(report.loose_elements) +
+                       " tetrahedra, left at rest");
   }
   if (report.smallest_det_f <= 0) {
-    warn(progress, "tetrahedra: linear theory has turned some inside out: least det F " +
-                       number_text(report.smallest_det_f));
+    warn(progress, std::string("tetrahedra: ") +
+                       (step.params.strain == StrainTheory::linear
+                            ? "linear theory has turned some inside out"
+                            : "some are inside out") +
+                       ": least det F " + number_text(report.smallest_det_f));
   }
   if (report.beyond_linear) {
     warn(progress, "tetrahedra: turns of up to " + number_text(report.largest_rotation_deg) +
@@ -362,6 +384,7 @@ void warn_of_result(const FemRecord& record, Progress* progress) {
                        voxel_text(report.strained) + " are beyond linear theory in " +
                        std::to_string(report.beyond_elements) + " tetrahedra");
   }
+  warn_of_links(record.links, "tetrahedra", "a later drag or relaxation projects them", progress);
 }
 
 }  // namespace
@@ -376,7 +399,7 @@ FemRecord move_by_tets(const FemStep& step, const FemTask& task, const TetBody& 
   body.links_known_valid = record.links.violated == 0;
   body.beyond.reset();
   record.milliseconds = clock.ms();
-  warn_of_result(record, progress);
+  warn_of_result(step, record, progress);
   return record;
 }
 

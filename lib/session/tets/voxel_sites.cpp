@@ -17,7 +17,7 @@ constexpr int kSearch = 4;
 
 using CornerWeights = std::array<double, 4>;
 
-/// CornerWeights of the corners of a tetrahedron at any place.
+/// The weights of the corners of a tetrahedron at any place.
 class TetWeights {
  public:
   TetWeights(const SolidMesh& mesh, std::size_t tet, const std::vector<Vec3d>& places) {
@@ -43,7 +43,7 @@ double least(const CornerWeights& weights) {
   return *std::min_element(weights.begin(), weights.end());
 }
 
-/// CornerWeights that are too large are drawn towards the middle of the tetrahedron; their sum
+/// Weights that are too large are drawn towards the middle of the tetrahedron; their sum
 /// stays 1.
 VoxelSite site_of(std::int32_t tet, const CornerWeights& weights) {
   double part = 1;
@@ -65,14 +65,17 @@ class Rings {
         const std::vector<std::int32_t>& numbers, std::vector<VoxelSite>& sites)
       : m_mesh(mesh), m_places(places), m_elements(elements), m_numbers(numbers), m_sites(sites) {}
 
-  void fill() {
+  /// Returns the number of voxels beyond the near rings.
+  std::int64_t fill() {
+    std::int64_t far = 0;
     std::vector<Vec3i> waiting;
     for_each_element(m_elements, [&](Slot slot) {
       if (m_sites[std::size_t(m_numbers[slot])].tet < 0) {
         waiting.push_back(voxel_of(m_elements, slot));
       }
     });
-    for (std::size_t before = waiting.size() + 1; !waiting.empty() && waiting.size() < before;) {
+    std::size_t before = waiting.size() + 1;
+    for (int ring = 1; !waiting.empty() && waiting.size() < before; ++ring) {
       before = waiting.size();
       std::vector<Vec3i> next;
       std::vector<std::pair<std::int32_t, VoxelSite>> found;
@@ -84,8 +87,10 @@ class Rings {
         }
       }
       for (const auto& [number, site] : found) m_sites[std::size_t(number)] = site;
+      if (ring > kNearRings) far += std::int64_t(found.size());
       waiting = std::move(next);
     }
+    return far;
   }
 
  private:
@@ -127,7 +132,7 @@ std::vector<std::int32_t> element_numbers(const BrickTopology& elements) {
 }
 
 std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geometry,
-                                   const BrickTopology& elements) {
+                                   const BrickTopology& elements, std::int64_t* far) {
   const std::vector<std::int32_t> numbers = element_numbers(elements);
   const std::vector<Vec3d> places = index_places(mesh, geometry);
   std::vector<VoxelSite> sites(std::size_t(elements.active_count()));
@@ -140,7 +145,8 @@ std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geomet
       if (site.tet < 0) site = site_of(std::int32_t(tet), weights(Vec3d(voxel)));
     });
   }
-  Rings(mesh, places, elements, numbers, sites).fill();
+  const std::int64_t beyond = Rings(mesh, places, elements, numbers, sites).fill();
+  if (far != nullptr) *far = beyond;
   return sites;
 }
 

@@ -22,9 +22,12 @@ struct VoxelSite {
   std::array<float, 4> weight{};  // of its corners, in sum 1; below 0 outside
 };
 
-/// In the order of the bricks.
+/// Rings of voxels around the mesh that are near to it.
+constexpr int kNearRings = 4;
+
+/// In the order of the bricks. `far`: the number of those beyond the near rings; null: not asked.
 std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geometry,
-                                   const BrickTopology& elements);
+                                   const BrickTopology& elements, std::int64_t* far = nullptr);
 
 /// Numbers of elements in the order of the bricks, by their slots; -1 elsewhere.
 std::vector<std::int32_t> element_numbers(const BrickTopology& elements);

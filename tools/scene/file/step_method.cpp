@@ -94,7 +94,7 @@ void solve_by(Scene& scene, const StepMethod& method) {
 void solve_to(Scene& scene, FemAccuracy accuracy) {
   bool has_fem = false;
   for (Step& step : scene.steps) {
-    if (!step.fem) continue;
+    if (!step.fem || step.fem->tets) continue;
     step.fem->params.set_accuracy(accuracy);
     has_fem = true;
   }

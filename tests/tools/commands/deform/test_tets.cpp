@@ -243,6 +243,57 @@ TEST_F(UnitTetScene, AMeshOfAFileIsTheOneThatWasWritten) {
   EXPECT_NEAR(step["reactions"][0]["force_n"][0], double(own["reactions"][0]["force_n"][0]), 1e-7);
 }
 
+TEST_F(UnitTetScene, FiniteStrainTurnsAsFarAsItsHandles) {
+  RUN_WHEN_SANITIZED();
+  const std::string turned =
+      m_held +
+      "handles = [{ grab_box = [0, 0, 22, 11, 11, 23], rotate = 40, axis = [0, 0, 1], "
+      "about = [5.5, 5.5, 22] }]\n";
+  const json linear = step(turned, "spacing = 3");
+  const json finite = step(turned, "spacing = 3\nstrain = \"finite\"");
+  EXPECT_GT(finite["fem"]["smallest_det_f"], 0.5);
+  // Linear theory takes half of a turn's cosine for growth across the axis.
+  EXPECT_GT(linear["fem"]["volume_change_ml"],
+            3 * std::abs(double(finite["fem"]["volume_change_ml"])));
+  EXPECT_EQ(finite["settings"]["strain"], "finite");
+}
+
+TEST_F(UnitTetScene, MeshesOfOtherProgramsAreTakenOrNamedInTheirError) {
+  const auto run_mesh = [&](const std::string& inp) {
+    write_text(m_folder / "mesh.inp", inp);
+    write_text(m_folder / "scene2.toml",
+               "[volume]\npath = \"bar.nhdr\"\n[material]\ntable = \"tissue.toml\"\n[[step]]\n"
+               "model = \"tets\"\n" +
+                   m_held + "[step.tets]\nmesh = \"mesh.inp\"\n");
+    return run_supple(
+        {"run", m_folder / "scene2.toml", "-o", m_folder / "out", "--json", "--force"});
+  };
+  // A cube around the bar as five tetrahedra, a spare node, a material that no element has.
+  const std::string nodes =
+      "*NODE\n1, -1, -1, -1\n2, 12, -1, -1\n3, 12, 12, -1\n4, -1, 12, -1\n5, -1, -1, 24\n"
+      "6, 12, -1, 24\n7, 12, 12, 24\n8, -1, 12, 24\n9, 50, 50, 50\n";
+  const std::string tets =
+      "*ELEMENT, TYPE=C3D4, ELSET=all\n1, 1, 2, 3, 6\n2, 1, 3, 4, 8\n3, 1, 6, 8, 5\n4, 3, 8, 6, "
+      "7\n5, 1, 3, 8, 6\n";
+  const Outcome taken = run_mesh(nodes + tets + "*MATERIAL, NAME=m\n*ELASTIC\n20, 0.3\n");
+  ASSERT_EQ(taken.exit_code, 0) << taken.err;
+  const json step = json::parse(taken.out)["steps"][0];
+  EXPECT_EQ(step["tets"]["tetrahedra"], 5);
+  EXPECT_EQ(step["tets"]["nodes"], 8);
+
+  std::string metres = nodes;
+  for (const char* number : {"12", "24"}) {
+    for (std::size_t at; (at = metres.find(std::string(", ") + number)) != std::string::npos;) {
+      metres.replace(at, 4, std::string(", 0.0") + number);
+    }
+  }
+  const Outcome other = run_mesh(metres + tets);
+  EXPECT_EQ(other.exit_code, 3) << other.err;
+  EXPECT_NE(other.err.find("mesh.inp: mesh: found "), std::string::npos) << other.err;
+  EXPECT_NE(other.err.find("a mesh of the body, which has 3.456 ml"), std::string::npos)
+      << other.err;
+}
+
 TEST_F(UnitTetScene, WhatMeshesDoNotKnowIsRefusedInALine) {
   const std::string opening = "openings = [{ name = \"top\", toward = [0, 0, 1], degrees = 28 }]\n";
   const struct {
@@ -264,7 +315,11 @@ TEST_F(UnitTetScene, WhatMeshesDoNotKnowIsRefusedInALine) {
       {m_held, "shell_planes = true", "shell_planes: found no shell"},
       {m_held, "sheets = [{ between = [1, 2], stiffness = 1, thickness = 1 }]", "labels = true"},
       {m_held, "labels = true\nsheets = [{ between = [1, 7], stiffness = 1, thickness = 1 }]",
-       "1 to 7"},
+       "between: found labels 1 and 7, which share no face"},
+      {m_held, "strain = \"finite\"\noutside = \"shell\"", "strain: found finite beside a shell"},
+      {m_held, "strain = \"finite\"\nequations = \"factor\"", "strain: found finite beside factor"},
+      {m_held, "openings = [{ name = \"1 to 2\", toward = [0, 0, 1], degrees = 28 }]",
+       "openings: found 1 to 2"},
       {m_held + "limits = \"ball\"", "", "limits"},
       {m_held, "elemnts = 30", "elemnts"},
       {m_held + "handles = [{ grab = [6, 6, 20], by = [1, 0, 0], push = true }]", "", "push"},
