@@ -203,11 +203,15 @@ CutReport cut(Body& body, const PlanePatch& patch) {
 }
 
 CutReport cut_boundary(Body& body, const std::function<bool(Slot)>& inside) {
+  return cut_links(body, [&](Slot low, Slot high) { return inside(low) != inside(high); });
+}
+
+CutReport cut_links(Body& body, const std::function<bool(Slot low, Slot high)>& parts) {
   LinkCuts crossed;
   const LinkCuts none;
   for (std::size_t b = 0; b < body.elements.brick_count(); ++b) {
     for_each_link(body.elements, none, b, [&](int axis, Slot low, Slot high) {
-      if (inside(low) != inside(high)) crossed.cut(b, int(low % kBrickVoxels), axis);
+      if (parts(low, high)) crossed.cut(b, int(low % kBrickVoxels), axis);
     });
   }
   return merge(crossed, body);

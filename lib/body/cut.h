@@ -43,5 +43,7 @@ CutReport cut(Body& body, const PlanePatch& patch);
 
 /// Cuts the links of which exactly one end is `inside`: the boundary of a label.
 CutReport cut_boundary(Body& body, const std::function<bool(Slot)>& inside);
+/// Cuts the links whose ends `parts` chooses.
+CutReport cut_links(Body& body, const std::function<bool(Slot low, Slot high)>& parts);
 
 }  // namespace supple

@@ -28,15 +28,21 @@ TriangleMesh mesh_of(const CutCurve& curve, bool in_voxels, const Geometry& geom
   return swept_surface(swept);
 }
 
-CutReport cut_around(std::int32_t label, Body& body, const BrickValues& labels) {
+/// Cuts a label from another one, or from all.
+CutReport cut_around(std::int32_t label, std::int32_t from, Body& body, const BrickValues& labels) {
   require_label(labels, label, "cut");
-  return cut_boundary(body, [&](Slot slot) { return labels.at(slot) == label; });
+  if (from != 0) require_label(labels, from, "cut");
+  return cut_links(body, [&](Slot low, Slot high) {
+    const std::int32_t a = labels.at(low), b = labels.at(high);
+    if ((a == label) == (b == label)) return false;
+    return from == 0 || a == from || b == from;
+  });
 }
 
 /// Names the surface in the errors of the cut.
 CutReport cut_along(const CutSurface& surface, Body& body, const BrickValues& labels) {
   try {
-    if (surface.label != 0) return cut_around(surface.label, body, labels);
+    if (surface.label != 0) return cut_around(surface.label, surface.from, body, labels);
     if (surface.mesh) return cut(body, *surface.mesh);
     if (surface.curve) {
       return cut(body, mesh_of(*surface.curve, surface.in_voxels, body.geometry));
@@ -91,6 +97,7 @@ Value settings_value(const CutSurface& surface) {
     value["mesh"] = surface.mesh_file;
   } else if (surface.label != 0) {
     value["label"] = surface.label;
+    if (surface.from != 0) value["from"] = surface.from;
   } else if (surface.curve) {
     const CutCurve& curve = *surface.curve;
     value["curve"] = {{"points", curve.points},        {"direction", curve.direction},

@@ -107,6 +107,7 @@ Fields tet_fields(FemStep& step) {
       if (field.name() == name) all.push_back(field);
     }
   }
+  for (Field& field : all) field.only_in_scenes();
   return all;
 }
 

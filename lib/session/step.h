@@ -43,6 +43,7 @@ struct CutSurface {
   bool in_voxels = false;  // of the volume, instead of LPS mm: plane and curve
   std::optional<CutCurve> curve;
   std::int32_t label = 0;  // links between it and anything else; 0: one of the others
+  std::int32_t from = 0;   // links between the label and this one alone; 0: and anything else
 };
 
 /// Opening of a cut (retraction.h). A patch as that of a cut. edge1 runs along the incision, edge2

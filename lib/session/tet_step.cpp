@@ -57,7 +57,6 @@ Fields fields(TetStep& step) {
       Field("clamped", step.clamps, "Sheets do not turn along edges between held nodes"),
   };
   all.insert(all.end(), more.begin(), more.end());
-  for (Field& field : all) field.only_in_scenes();
   return all;
 }
 

@@ -86,14 +86,21 @@ CutSurface read_cut(Table& table, const LabelNames& names) {
   auto plane = table.table("plane");
   auto curve = table.table("curve");
   const auto mesh = table.path("mesh");
-  const auto label = read_label(table, "label", names);
+  const auto label = read_label(table, "label", names), from = read_label(table, "from", names);
   table.finish();
   const int given = int(plane.has_value()) + int(curve.has_value()) + int(mesh.has_value()) +
                     int(label.has_value());
   const char* expected = "either mesh, plane, curve or label";
   if (given == 0) table.fail_missing("mesh", expected);
   if (given > 1) table.fail("mesh", "several of them", expected);
-  if (label) return label_cut(*label, table.place());
+  if (from && (!label || *from == *label)) {
+    table.fail("from", label ? "the label itself" : "from without label", "another label");
+  }
+  if (label) {
+    CutSurface cut = label_cut(*label, table.place());
+    cut.from = from.value_or(0);
+    return cut;
+  }
   if (curve) return read_curve(*curve);
   return plane ? read_plane(*plane) : mesh_cut(*mesh);
 }

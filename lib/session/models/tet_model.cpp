@@ -34,11 +34,12 @@ std::string key_of(const TetStep& step, const SessionBody& in) {
 /// The mesh of the body, from the step before where it is the same.
 const TetBody& mesh_of(const TetStep& step, SessionBody& in, Progress* progress) {
   const std::string key = key_of(step, in);
-  const bool is_same = in.tets && in.tets->key == key && in.tets->elements == in.body.elements;
+  const bool is_same = in.tets && in.tets->key == key && in.tets->elements == in.body.elements &&
+                       in.tets->cuts == in.body.cuts;
   if (!is_same) {
     in.tets.reset();
     in.tets = std::make_shared<const KeptTets>(
-        KeptTets{key, in.body.elements,
+        KeptTets{key, in.body.elements, in.body.cuts,
                  make_tet_body(step, in.body, in.state.density, in.state.labels, progress)});
   }
   return in.tets->body;
@@ -58,13 +59,15 @@ void run_tets(const ModelTask& task) {
   task.start_anew();
 }
 
-/// Meshes know neither cuts nor pieces.
+/// Meshes know no pieces, and cuts between labels alone.
 void check_tets(const Step& step, const SessionBody& in) {
   const auto refuse = [&](const char* field, const std::string& found) {
     throw InputError({step.place, field, found + " beside tets", "model = \"fem\""});
   };
   if (!step.retract.empty()) refuse("retract", "an opening");
-  if (!in.cuts().empty()) refuse("cut", "a body with cuts");
+  if (!in.cuts().empty() && !step.fem->tets->has_labels) {
+    refuse("cut", "a body with cuts and labels = false");
+  }
   if (!in.body.rigid.empty()) refuse("rigid", "a body with rigid pieces");
 }
 

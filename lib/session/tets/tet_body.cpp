@@ -9,6 +9,7 @@
 #include "lib/mesh/tets/element_regions.h"
 #include "lib/mesh/tets/solid_faces.h"
 #include "lib/mesh/tets/solid_quality.h"
+#include "lib/session/tets/parted_labels.h"
 #include "volumes/base/text.h"
 #include "volumes/base/units.h"
 #include "volumes/io/solid/solid_mesh_file.h"
@@ -234,13 +235,23 @@ TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& 
   } else {
     mesh = make_tets(mask, step.solid, 1, "surface", nullptr, progress);
   }
-  mesh.faces = faces_of_regions(mesh, numbers_as_names(mesh));
+  if (body.cuts.empty()) {
+    mesh.faces = faces_of_regions(mesh, numbers_as_names(mesh));
+  } else {
+    std::set<std::pair<std::int32_t, std::int32_t>> parted;
+    for (const auto& [first, second] : parted_labels(body, labels)) {
+      parted.insert(std::minmax(region_of_label(first), region_of_label(second)));
+    }
+    part_mesh(parted, numbers_as_names(mesh), mesh);
+  }
   if (is_made || !has_materials(mesh)) {
     give_materials(mesh, mask, density, elastic_curves(body.material), label_of, step.bins);
   }
   poll(progress);
   name_openings(step, body, density, labels, tets);
-  tets.sites = voxel_sites(mesh, body.geometry, body.elements, &tets.far);
+  const SlotRegion region_of_slot = [&](Slot slot) { return region_of_label(labels.at(slot)); };
+  tets.sites = voxel_sites(mesh, body.geometry, body.elements,
+                           body.cuts.empty() ? SlotRegion() : region_of_slot, &tets.far);
   tets.unmeshed = std::count_if(tets.sites.begin(), tets.sites.end(),
                                 [](const VoxelSite& site) { return site.tet < 0; });
   if (tets.unmeshed == std::int64_t(tets.sites.size())) {

@@ -22,10 +22,11 @@ struct TetBody {
   std::int64_t unmeshed = 0, far = 0;  // voxels, as TetRecord
 };
 
-/// A mesh and what it was made of: settings and material as text, and the elements.
+/// A mesh and what it was made of: settings and material as text, elements and cuts.
 struct KeptTets {
   std::string key;
   BrickTopology elements;
+  LinkCuts cuts;
   TetBody body;
 };
 

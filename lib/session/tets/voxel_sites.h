@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -25,9 +26,14 @@ struct VoxelSite {
 /// Rings of voxels around the mesh that are near to it.
 constexpr int kNearRings = 4;
 
-/// In the order of the bricks. `far`: the number of those beyond the near rings; null: not asked.
+/// The region of a mesh in which a voxel has to be.
+using SlotRegion = std::function<std::int32_t(Slot slot)>;
+
+/// In the order of the bricks. `region_of`: regions in which voxels are, where a mesh is parted
+/// between these; empty: any. `far`: the number of voxels beyond the near rings; null: not asked.
 std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geometry,
-                                   const BrickTopology& elements, std::int64_t* far = nullptr);
+                                   const BrickTopology& elements, const SlotRegion& region_of = {},
+                                   std::int64_t* far = nullptr);
 
 /// Numbers of elements in the order of the bricks, by their slots; -1 elsewhere.
 std::vector<std::int32_t> element_numbers(const BrickTopology& elements);

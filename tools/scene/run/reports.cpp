@@ -348,17 +348,15 @@ Value to_value(const StepRecord& record) {
     }
     return json;
   }
-  if (record.equilibrium.modes) {
-    return {{"model", "fem"},
-            {"cut_links", record.cut_links},
-            {"settings", settings_value(*record.fem)},
-            {"modes", to_value(*record.equilibrium.modes)}};
-  }
   if (record.fem) {
     Value json = {{"model", model_of(record).name},
                   {"cut_links", record.cut_links},
-                  {"settings", settings_value(*record.fem)},
-                  {"fem", to_value(record.equilibrium)}};
+                  {"settings", settings_value(*record.fem)}};
+    if (record.equilibrium.modes) {
+      json["modes"] = to_value(*record.equilibrium.modes);
+      return json;
+    }
+    json["fem"] = to_value(record.equilibrium);
     if (record.equilibrium.tets) json["tets"] = to_value(*record.equilibrium.tets);
     if (record.removed > 0) json["removed"] = record.removed;
     if (record.bones) {

@@ -243,6 +243,24 @@ TEST_F(UnitTetScene, AMeshOfAFileIsTheOneThatWasWritten) {
   EXPECT_NEAR(step["reactions"][0]["force_n"][0], double(own["reactions"][0]["force_n"][0]), 1e-7);
 }
 
+TEST_F(UnitTetScene, ACutBetweenLabelsPartsTheMeshThere) {
+  const std::string pull =
+      m_held + "handles = [{ grab_box = [0, 0, 22, 11, 11, 23], by = [0, 0, 2] }]\n";
+  const std::string cut = "cut = [{ label = 2, from = 1 }]\n", mesh = "spacing = 2\nlabels = true";
+  const std::string state = "[output]\nstate = \"state.vdb\"\n";
+  const json whole = step(pull, mesh, state);
+  EXPECT_LT(displacement_at(m_folder, {5, 5, 12}).z, 1.5);
+  const json parted = step(pull + cut, mesh, state);
+  for (const int ij : {0, 6, 11}) {
+    EXPECT_NEAR(displacement_at(m_folder, {ij, ij, 11}).z, 0, 1e-3) << ij;
+    EXPECT_NEAR(displacement_at(m_folder, {ij, ij, 12}).z, 2, 1e-3) << ij;
+  }
+  EXPECT_EQ(parted["cut_links"], 144);
+  EXPECT_EQ(parted["tets"]["outer_faces"], whole["tets"]["outer_faces"]);
+  EXPECT_GT(parted["tets"]["nodes"], int(whole["tets"]["nodes"]) + 20);
+  EXPECT_NEAR(parted["reactions"][0]["force_n"][2], 0, 1e-6);
+}
+
 TEST_F(UnitTetScene, FiniteStrainTurnsAsFarAsItsHandles) {
   RUN_WHEN_SANITIZED();
   const std::string turned =
@@ -301,7 +319,12 @@ TEST_F(UnitTetScene, WhatMeshesDoNotKnowIsRefusedInALine) {
   } cases[] = {
       {m_held +
            "cut = [{ plane = { corner = [-1, -1, 8.5], edge1 = [20, 0, 0], edge2 = [0, 20, 0] } }]",
-       "", "a body with cuts beside tets"},
+       "", "a body with cuts and labels = false beside tets"},
+      {m_held +
+           "cut = [{ plane = { corner = [-1, -1, 8.5], edge1 = [20, 0, 0], edge2 = [0, 20, 0] } "
+           "}]",
+       "labels = true", "a cut within label 1 beside tets"},
+      {m_held + "cut = [{ label = 2, from = 2 }]", "", "from: found the label itself"},
       {m_held + "rigid_density = [60, 200]", "", "a body with rigid pieces beside tets"},
       {m_held, "sheets = [{ faces = \"lid\", stiffness = 1, thickness = 1 }]\n" + opening,
        "sheets: found lid, expected outside, top"},
