@@ -145,6 +145,16 @@ TEST(UnitThumbnail, RowsWithoutAPictureHaveNone) {
   }
 }
 
+TEST(UnitTradePage, ATimeThatNoClockShowsStandsInTheDiagram) {
+  TradeResults results = results_with("", 3);
+  results.rows[1].solve_s = {0, 0, 0};
+  const std::string page = trade_page(results);
+  EXPECT_NE(page.find(">1e-06<"), std::string::npos);
+  const std::size_t nan = page.find("nan\"");
+  EXPECT_EQ(nan, std::string::npos) << page.substr(nan > 200 ? nan - 200 : 0, 300);
+  EXPECT_EQ(page.find("inf\""), std::string::npos);
+}
+
 TEST(UnitTradePage, EachDiagramIsAFileAndEachRowHasItsPicture) {
   const TemporaryFolder folder;
   write_ball(folder, "ball", 10);

@@ -124,10 +124,6 @@ class ChartPlaces {
       }
     }
     range.fill(1);
-    if (chart.x_kind == AxisSteps::decades) {
-      range.least = std::max(range.least, 1e-6);
-      range.most = std::max(range.most, 1e-6);
-    }
     return {chart.x_kind, range, kLeft, kRight};
   }
   static Axis y_axis_of(const Chart& chart) {
@@ -143,9 +139,6 @@ class ChartPlaces {
   static double least_y(const Chart& chart) { return chart.floor > 0 ? chart.floor : -1e300; }
 
   bool has_floor() const { return m_chart.floor > 0; }
-  double x_of(double x) const {
-    return m_x.place(m_chart.x_kind == AxisSteps::decades ? std::max(x, 1e-6) : x);
-  }
   double y_of(const ChartPoint& point) const {
     return m_y.place(std::max(point.y, least_y(m_chart)));
   }
@@ -153,7 +146,7 @@ class ChartPlaces {
   std::string way_of(const std::vector<ChartPoint>& points) const {
     Value places = Value::List();
     for (const ChartPoint& point : points) {
-      places.push_back({{"x", x_of(point.x)}, {"y", y_of(point)}});
+      places.push_back({{"x", m_x.place(point.x)}, {"y", y_of(point)}});
     }
     const std::string way = filled("{{#places}} L{{x}} {{y}}{{/places}}", {{"places", places}});
     return way.empty() ? way : "M" + way.substr(2);
@@ -163,9 +156,9 @@ class ChartPlaces {
     const ChartCurve& curve = m_chart.curves[c];
     Value points = Value::List();
     for (const ChartPoint& point : curve.points) {
-      points.push_back({{"x", x_of(point.x)},
-                        {"x_least", x_of(point.x_least)},
-                        {"x_most", x_of(point.x_most)},
+      points.push_back({{"x", m_x.place(point.x)},
+                        {"x_least", m_x.place(point.x_least)},
+                        {"x_most", m_x.place(point.x_most)},
                         {"y", y_of(point)},
                         {"is_below", has_floor() && point.y < m_chart.floor},
                         {"tip", point.tip},

@@ -94,10 +94,14 @@ std::string ssim_text(double error) {
   return "SSIM " + short_number(1 - error);
 }
 
+/// The point of a row; times that no clock tells apart from 0 have a place on an axis of decades.
 ChartPoint chart_point(const TradeResults& results, std::size_t r) {
+  static constexpr double kLeast = 1e-6;
   const TradeRow& row = results.rows[r];
   const Spread& time = row.time_s();
-  return {time.median, time.least, time.most, row.error(), tip_of(row), '#' + row_id(r)};
+  const auto at = [](double seconds) { return std::max(seconds, kLeast); };
+  return {at(time.median), at(time.least), at(time.most),
+          row.error(),     tip_of(row),    '#' + row_id(r)};
 }
 
 Chart chart_of(const TradeResults& results, const SceneCurves& curves) {
