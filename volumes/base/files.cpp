@@ -36,6 +36,19 @@ std::string text_of_file(const std::string& path) {
   return text.str();
 }
 
+std::string text_of_input(const std::string& path) {
+  require_regular_file(path);
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw_open_error(path, errno);
+  std::string text;
+  std::vector<char> bytes(std::size_t(1) << 16);
+  while (stream.read(bytes.data(), std::streamsize(bytes.size())) || stream.gcount() > 0) {
+    text.append(bytes.data(), std::size_t(stream.gcount()));
+  }
+  if (stream.bad()) throw_open_error(path, errno);
+  return text;
+}
+
 void replace_text_file(const std::string& path, const std::string& text) {
   AtomicFile file(path);
   std::ofstream stream(file.path(), std::ios::binary);

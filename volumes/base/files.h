@@ -16,6 +16,9 @@ void require_regular_file(const std::string& path);
 
 /// Reads a file; empty where it cannot be read.
 std::string text_of_file(const std::string& path);
+/// Reads an input whole. Throws InputError as require_regular_file() and where it is missing;
+/// SystemError where not all of it can be read.
+std::string text_of_input(const std::string& path);
 /// Replaces the file as a whole, or not at all. Throws SystemError, InputError as AtomicFile.
 void replace_text_file(const std::string& path, const std::string& text);
 

@@ -32,6 +32,7 @@ std::vector<std::string> outputs_of(const SweepOptions& options, const Sweep& sw
   OutputPlan plan(may_overwrite, true);
   plan.protect(options.scene);
   if (!options.cases.empty()) plan.protect(options.cases);
+  for (const std::string& input : sweep.inputs()) plan.protect(input);
   plan.add_table(options.output);
   if (!options.plot.empty()) plan.add_chart(options.plot);
   std::vector<std::string> files = plan.files();
@@ -135,17 +136,18 @@ int run_cases(const SweepOptions& options, Sweep& sweep, const GlobalOptions& gl
   if (table.results.empty()) {
     console.warn("no result is in tables unless --collect names it; --list prints all names");
   }
-  std::string chart;
-  if (!options.plot.empty()) chart = to_svg_file(chart_of(table, sweep.cases(), options.axes));
   replace_text_file(options.output, to_csv(table));
-  if (!options.plot.empty()) replace_text_file(options.plot, chart);
   print_table(table, options, global);
-  std::int64_t failed = 0;
+  std::size_t failed = 0;
   for (const CaseEnd& end : ends) failed += end.error.empty() ? 0 : 1;
-  if (failed == 0) return kOk;
-  console.error(std::to_string(failed) + " of " + with_count(std::int64_t(ends.size()), "case") +
-                " failed: see the column error of " + options.output);
-  return kFailure;
+  if (failed > 0) {
+    console.error(std::to_string(failed) + " of " + with_count(std::int64_t(ends.size()), "case") +
+                  " failed: see the column error of " + options.output);
+  }
+  if (!options.plot.empty() && failed < ends.size()) {
+    replace_text_file(options.plot, to_svg_file(chart_of(table, sweep.cases(), options.axes)));
+  }
+  return failed == 0 ? kOk : kFailure;
 }
 
 /// Prints what the report of the first case has, by the names that --collect takes.

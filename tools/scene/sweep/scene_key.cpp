@@ -35,6 +35,14 @@ void take_file_in(Value& table, const std::string& scene_file) {
   table = std::move(inside);
 }
 
+/// The place of an item of a list that `name` is, or of the value itself.
+ScenePlace place_of(const Value& item, const Value& child, const std::string& name,
+                    ScenePlace place) {
+  place.emplace_back(name, 0);
+  if (&item != &child) place.emplace_back("", std::size_t(&item - child.items().data()));
+  return place;
+}
+
 /// The number that a text is, or 0.
 std::size_t number_of(const std::string& text) {
   const bool are_digits =
@@ -43,6 +51,20 @@ std::size_t number_of(const std::string& text) {
 }
 
 }  // namespace
+
+const Value* find_at(const Value& root, ScenePlace::const_iterator begin,
+                     ScenePlace::const_iterator end) {
+  const Value* at = &root;
+  for (; at != nullptr && begin != end; ++begin) {
+    const auto& [key, index] = *begin;
+    if (!key.empty()) {
+      at = at->find(key);
+    } else {
+      at = index < at->items().size() ? &at->items()[index] : nullptr;
+    }
+  }
+  return at;
+}
 
 SceneKey::SceneKey(const std::string& text) : m_text(text) {
   const auto refuse = [&] {
@@ -112,51 +134,59 @@ std::vector<Value*> SceneKey::chosen(Value& child, std::size_t part,
        expected});
 }
 
-void SceneKey::find_ends(Value& table, std::size_t depth, const std::string& file,
-                         std::vector<End>& ends) const {
+void SceneKey::find_ends(Value& table, const ScenePlace& place, std::size_t depth,
+                         const std::string& file, std::vector<End>& ends) const {
   const Part& part = m_parts[depth];
   if (part.name != "table") take_file_in(table, file);
-  if (!table.contains(part.name)) return ends.push_back({&table, depth});
-  if (depth + 1 == m_parts.size()) return ends.push_back({&table, depth + 1});
-  for (Value* item : chosen(table[part.name], depth, file)) {
+  if (!table.contains(part.name)) return ends.push_back({&table, depth, place});
+  if (depth + 1 == m_parts.size()) return ends.push_back({&table, depth + 1, place});
+  Value& child = table[part.name];
+  for (Value* item : chosen(child, depth, file)) {
     if (!item->is_table()) {
       throw InputError({file, name_until(depth), shown_text(*item),
                         "a table that has " + m_parts[depth + 1].name});
     }
-    find_ends(*item, depth + 1, file, ends);
+    find_ends(*item, place_of(*item, child, part.name, place), depth + 1, file, ends);
   }
 }
 
-void SceneKey::put(Value& table, std::size_t depth, const std::string& file,
-                   const Value& value) const {
-  Value* at = &table;
-  for (std::size_t n = depth; n < m_parts.size(); ++n) {
+ScenePlace SceneKey::put(const End& end, const std::string& file, const Value& value) const {
+  Value* at = end.table;
+  ScenePlace place = end.place;
+  for (std::size_t n = end.depth; n < m_parts.size(); ++n) {
     if (!m_parts[n].which.empty()) {
       throw InputError({file, name_until(n), "no " + m_parts[n].name, "a list of them"});
     }
     Value& child = (*at)[m_parts[n].name];
     child = n + 1 < m_parts.size() ? Value(Value::Entries()) : value;
     at = &child;
+    place.emplace_back(m_parts[n].name, 0);
   }
+  return place;
 }
 
-void SceneKey::set(Value& root, const std::string& scene_file, const Value& value) const {
+std::vector<ScenePlace> SceneKey::set(Value& root, const std::string& scene_file,
+                                      const Value& value) const {
   std::vector<End> ends;
-  find_ends(root, 0, scene_file, ends);
+  std::vector<ScenePlace> places;
+  find_ends(root, {}, 0, scene_file, ends);
   std::size_t deepest = 0;
   for (const End& end : ends) deepest = std::max(deepest, end.depth);
   const std::size_t last = m_parts.size() - 1;
   for (const End& end : ends) {
     if (end.depth < deepest) continue;
-    if (end.depth <= last) {
-      put(*end.table, end.depth, scene_file, value);
-    } else if (m_parts[last].which.empty()) {
-      (*end.table)[m_parts[last].name] = value;
-    } else {
-      for (Value* item : chosen((*end.table)[m_parts[last].name], last, scene_file)) *item = value;
+    if (end.depth <= last || m_parts[last].which.empty()) {
+      places.push_back(put({end.table, std::min(end.depth, last), end.place}, scene_file, value));
+      continue;
+    }
+    Value& list = (*end.table)[m_parts[last].name];
+    for (Value* item : chosen(list, last, scene_file)) {
+      *item = value;
+      places.push_back(place_of(*item, list, m_parts[last].name, end.place));
     }
   }
   root = sorted(std::move(root));
+  return places;
 }
 
 }  // namespace supple::tools

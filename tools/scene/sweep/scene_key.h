@@ -4,11 +4,19 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "volumes/base/value.h"
 
 namespace supple::tools {
+
+/// A place in a tree of values: keys of tables, and items of lists, whose keys are empty.
+using ScenePlace = std::vector<std::pair<std::string, std::size_t>>;
+
+/// The value of a place; null where there is none.
+const Value* find_at(const Value& root, ScenePlace::const_iterator begin,
+                     ScenePlace::const_iterator end);
 
 /// A key of a scene. A list of tables stands for each of its tables, with [N] for one of them,
 /// counted from 1 as errors of scenes do, and with [NAME] for those of that `name`.
@@ -21,9 +29,9 @@ class SceneKey {
 
   /// Sets the value wherever the key is; where it is nowhere, in all tables that could have it,
   /// with the tables on the way: the reader of scenes then says whether it knows the key. `table =
-  /// FILE` of a material is replaced by what is in the file. Throws InputError, of `scene_file`,
-  /// for a table that is not there.
-  void set(Value& root, const std::string& scene_file, const Value& value) const;
+  /// FILE` of a material is replaced by what is in the file. Returns the places that have the value
+  /// now. Throws InputError, of `scene_file`, for a table that is not there.
+  std::vector<ScenePlace> set(Value& root, const std::string& scene_file, const Value& value) const;
 
  private:
   struct Part {
@@ -34,11 +42,12 @@ class SceneKey {
   struct End {
     Value* table;
     std::size_t depth;
+    ScenePlace place;
   };
   std::size_t add_part(std::size_t at);
-  void find_ends(Value& table, std::size_t depth, const std::string& file,
+  void find_ends(Value& table, const ScenePlace& place, std::size_t depth, const std::string& file,
                  std::vector<End>& ends) const;
-  void put(Value& table, std::size_t depth, const std::string& file, const Value& value) const;
+  ScenePlace put(const End& end, const std::string& file, const Value& value) const;
   std::vector<Value*> chosen(Value& child, std::size_t part, const std::string& file) const;
   std::string name_until(std::size_t part) const;
 

@@ -51,13 +51,19 @@ class CaseProgress final : public Progress {
   StageTimes m_times;
 };
 
-/// A text as a part of a file's name.
-std::string in_name(std::string text) {
-  for (char& c : text) {
+/// A text as a part of a file's name: "[0, 2]" is "0_2".
+std::string in_name(const std::string& text) {
+  std::string name;
+  for (const char c : text) {
     const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-';
-    if (!is_plain) c = '_';
+    if (is_plain) {
+      name += c;
+    } else if (!name.empty() && name.back() != '_') {
+      name += '_';
+    }
   }
-  return text;
+  if (!name.empty() && name.back() == '_') name.pop_back();
+  return name;
 }
 
 std::string digest_of_text(const std::string& text) {
@@ -76,22 +82,28 @@ Sweep::Sweep(std::string scene_file, SweepCases cases, std::string pictures, Pro
     poll(&progress);
     read_case(n, progress);
   }
-  // Of the scene as it is not all files need be there: it may name those of the first case.
+  // Pictures may be added to a sweep.
+  Value root = m_root;
+  root.erase("view");
   std::set<std::string> inputs;
   try {
-    inputs = inputs_of(m_root);
-  } catch (const Error&) {
-    inputs.clear();
+    inputs = inputs_of(root);
+  } catch (const Error&) {  // files that the cases name in place of those of the scene
   }
-  m_scene_digest = digest_of(m_root, inputs);
+  m_scene_digest = digest_of(root, inputs);
 }
 
 void Sweep::read_case(std::size_t n, Progress& progress) {
   try {
-    const Value root = m_cases.scene_of(n, m_root, m_file);
+    Value root = m_cases.scene_of(n, m_root, m_file);
     scene_of(n);
-    m_each[n].digest = digest_of(root, inputs_of(root));
-  } catch (const InputError& error) {
+    const std::set<std::string> inputs = inputs_of(root);
+    m_inputs.insert(inputs.begin(), inputs.end());
+    if (m_pictures.empty()) root.erase("view");
+    m_each[n].digest = digest_of(root, inputs);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error& error) {
     if (n == 0) throw;
     m_each[n].fault = error.what();
     progress.warn("case " + std::to_string(n + 1) + " (" + m_cases.title(n) +
@@ -115,15 +127,20 @@ Scene Sweep::scene_of(std::size_t n) const {
   return scene;
 }
 
-/// The beginning of the names of a case's pictures: "03_poisson_0.3_".
+/// The beginning of the names of a case's pictures: "poisson_0.3_". Other cases do not change it.
+/// Values that a name cannot have as they are, are told apart by a digest.
 std::string Sweep::label_of(std::size_t n) const {
-  const std::string number = std::to_string(n + 1), last = std::to_string(m_cases.size());
-  std::string label = std::string(last.size() - number.size(), '0') + number;
+  std::string label;
+  bool is_whole = true;
   for (std::size_t k = 0; k < m_cases.keys().size(); ++k) {
     const auto& value = m_cases.row(n)[k];
-    if (value) label += "_" + in_name(m_cases.short_key(k)) + "_" + in_name(value->text);
+    if (!value) continue;
+    const std::string text = in_name(value->text);
+    is_whole = is_whole && text == value->text;
+    label += in_name(m_cases.short_key(k)) + "_" + text + "_";
   }
-  return label.substr(0, kLongestLabel) + "_";
+  if (is_whole && label.size() <= kLongestLabel) return label;
+  return label.substr(0, kLongestLabel) + "_" + digest_of_text(m_cases.title(n)).substr(0, 8) + "_";
 }
 
 /// Files that the scene names, and those that its volumes are read from.
@@ -166,13 +183,16 @@ const std::string& Sweep::digest_of_file(const std::string& path) {
   return known->second = digest.hex();
 }
 
-/// Digest of all that the results of a scene depend on, wherever its files lie.
-std::string Sweep::digest_of(Value root, const std::set<std::string>& inputs) {
-  if (m_pictures.empty()) root.erase("view");
-  std::set<std::string> digests;
-  for (const std::string& path : inputs) digests.insert(digest_of_file(path));
+/// Digest of all that the results of a scene depend on, wherever its folder lies.
+std::string Sweep::digest_of(const Value& root, const std::set<std::string>& inputs) {
+  const fs::path folder = fs::absolute(m_file).parent_path().lexically_normal();
+  std::set<std::pair<std::string, std::string>> files;
+  for (const std::string& path : inputs) {
+    const fs::path place = fs::absolute(path).lexically_normal().lexically_relative(folder);
+    files.insert({place.string(), digest_of_file(path)});
+  }
   std::string all = json_text(root);
-  for (const std::string& digest : digests) all += "\n" + digest;
+  for (const auto& [place, digest] : files) all += "\n" + json_string(place) + " " + digest;
   return digest_of_text(all);
 }
 

@@ -25,13 +25,15 @@ struct CaseEnd {
 class Sweep {
  public:
   /// Reads the scenes of all cases. `pictures`: folder for the pictures of each case, with its
-  /// number and values in their names; empty: nothing is drawn. Throws InputError for a first case
-  /// that is no scene, and for films; warns of later cases that are none.
+  /// values in their names; empty: nothing is drawn. Throws InputError for a first case that is no
+  /// scene, and for films; warns of later cases that are none or whose files cannot be read.
   Sweep(std::string scene_file, SweepCases cases, std::string pictures, Progress& progress);
 
   const SweepCases& cases() const { return m_cases; }
   /// Digest of the scene and its files as they are without values of the sweep.
   const std::string& scene_digest() const { return m_scene_digest; }
+  /// Files that any of the cases is read from.
+  const std::set<std::string>& inputs() const { return m_inputs; }
   /// Number of cases that the journal has.
   std::size_t known_in(const SweepJournal& journal) const;
   /// The pictures of all cases. Throws UsageError for one that is there, unless it may be
@@ -51,7 +53,7 @@ class Sweep {
   Scene scene_of(std::size_t n) const;
   std::string label_of(std::size_t n) const;
   void read_case(std::size_t n, Progress& progress);
-  std::string digest_of(Value root, const std::set<std::string>& inputs);
+  std::string digest_of(const Value& root, const std::set<std::string>& inputs);
   std::set<std::string> inputs_of(const Value& root);
   void add_volume(const std::string& path, const ReadOptions& read, std::set<std::string>& files);
   const std::string& digest_of_file(const std::string& path);
@@ -66,6 +68,7 @@ class Sweep {
   Value m_root;
   std::string m_scene_digest;
   std::vector<Case> m_each;
+  std::set<std::string> m_inputs;
   std::map<std::string, std::string> m_file_digests;
 };
 

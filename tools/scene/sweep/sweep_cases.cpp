@@ -1,8 +1,7 @@
 #include "tools/scene/sweep/sweep_cases.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
+#include <cstddef>
 
 #include "volumes/base/csv.h"
 #include "volumes/base/error.h"
@@ -45,6 +44,28 @@ std::vector<std::string> parted(const std::string& text) {
     parts.back() += text[n];
   }
   return parts;
+}
+
+/// A value that a key has set at one of its places.
+struct SetValue {
+  std::size_t key;
+  ScenePlace place;
+  const Value* value;
+};
+
+/// True where a value is still there after a later one was set.
+bool agree(const SetValue& earlier, const SetValue& later) {
+  const ScenePlace &outer = earlier.place, &inner = later.place;
+  if (outer.size() > inner.size()) {
+    if (!std::equal(inner.begin(), inner.end(), outer.begin())) return true;
+    const Value* now =
+        find_at(*later.value, outer.begin() + std::ptrdiff_t(inner.size()), outer.end());
+    return now != nullptr && *now == *earlier.value;
+  }
+  if (!std::equal(outer.begin(), outer.end(), inner.begin())) return true;
+  const Value* was =
+      find_at(*earlier.value, inner.begin() + std::ptrdiff_t(outer.size()), inner.end());
+  return was == nullptr || *was == *later.value;  // null: a key that was not in the table
 }
 
 }  // namespace
@@ -115,9 +136,7 @@ void SweepCases::vary(const std::string& text) {
 }
 
 void SweepCases::add_file(const std::string& path) {
-  require_regular_file(path);
-  if (!std::ifstream(path)) throw_open_error(path, errno);
-  std::string text = text_of_file(path);
+  std::string text = text_of_input(path);
   if (text.empty()) throw InputError({path, "", "an empty file", "keys, and a line per case"});
   if (text.rfind("\xEF\xBB\xBF", 0) == 0) text.erase(0, 3);
   std::size_t at = 0;
@@ -171,8 +190,24 @@ std::string SweepCases::short_key(std::size_t key) const {
 
 Value SweepCases::scene_of(std::size_t n, const Value& root, const std::string& scene_file) const {
   Value scene = root;
+  std::vector<SetValue> all;
   for (std::size_t k = 0; k < m_keys.size(); ++k) {
-    if (m_rows[n][k]) m_keys[k].set(scene, scene_file, m_rows[n][k]->value);
+    const auto& swept = m_rows[n][k];
+    if (!swept) continue;
+    const std::size_t before = all.size();
+    for (ScenePlace& place : m_keys[k].set(scene, scene_file, swept->value)) {
+      all.push_back({k, std::move(place), &swept->value});
+    }
+    for (std::size_t e = 0; e < before; ++e) {
+      for (std::size_t l = before; l < all.size(); ++l) {
+        if (agree(all[e], all[l])) continue;
+        const std::size_t other = all[e].key;
+        throw UsageError(
+            to_line({m_keys[other].text() + " = " + m_rows[n][other]->text + ", " +
+                         m_keys[k].text() + " = " + swept->text,
+                     "", "one value that replaces the other", "keys of different values"}));
+      }
+    }
   }
   return scene;
 }

@@ -45,7 +45,8 @@ class SweepCases {
   /// Name of a key where few words are to be had: its end that no other key has.
   std::string short_key(std::size_t key) const;
 
-  /// The scene of a case. Throws InputError as SceneKey::set().
+  /// The scene of a case. Throws InputError as SceneKey::set(); UsageError for two keys of which
+  /// one replaces a value of the other, since no run would have the values of that row.
   Value scene_of(std::size_t n, const Value& root, const std::string& scene_file) const;
 
  private:

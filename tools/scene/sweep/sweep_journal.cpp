@@ -1,5 +1,6 @@
 #include "tools/scene/sweep/sweep_journal.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <filesystem>
 
@@ -23,14 +24,21 @@ std::string program() {
   return std::string("supple ") + kVersion;
 }
 
+/// True for a file that ended within its first line, or before it, and so has no case.
+bool is_torn_head(const std::string& text) {
+  const std::string line = json_text(Value{{"file", kKind}});
+  const std::string begin = line.substr(0, line.size() - 1) + ",";
+  const std::size_t common = std::min(begin.size(), text.size());
+  return text.find('\n') == std::string::npos && text.compare(0, common, begin, 0, common) == 0;
+}
+
 }  // namespace
 
 SweepJournal::SweepJournal(const std::string& path, const std::string& scene_digest, bool anew)
     : m_path(path), m_scene_digest(scene_digest) {
   if (!std::filesystem::exists(path)) return;
-  require_regular_file(path);
-  const std::string text = text_of_file(path);
-  if (!text.empty()) read(text, anew);
+  const std::string text = text_of_input(path);
+  if (!is_torn_head(text)) read(text, anew);
 }
 
 SweepJournal::~SweepJournal() {
@@ -99,7 +107,7 @@ void SweepJournal::add(const std::string& case_digest, const Value& report) {
   }
   append({{"case", case_digest}, {"report", report}});
   if (::fsync(m_file) != 0) throw_write_error(m_path, errno);
-  // As the next process reads it, so that both write the same table.
+  // The next process reads numbers as they were written: both make the same table.
   m_reports[case_digest] = json_or_null(json_text(report));
 }
 

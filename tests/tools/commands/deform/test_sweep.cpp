@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <csignal>
 #include <fstream>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -218,7 +219,9 @@ TEST_F(FaultSweep, AJournalIsReadAsFarAsItIsWholeAndNoOtherFileIsOne) {
     m_folder.write("t.csv.cases", text);
     more.insert(more.end(), {"--force", "--vary", "material.poisson=0.3,0.4"});
     const Outcome outcome = sweep("t.csv", more);
-    if (outcome.exit_code == 0) EXPECT_EQ(read_text(m_folder / "t.csv"), table);
+    if (outcome.exit_code == 0) {
+      EXPECT_EQ(read_text(m_folder / "t.csv"), table);
+    }
     return std::to_string(outcome.exit_code) + " " + error_of(outcome);
   };
   // Cut off within its last line, as by a full disk: that case is run again.
@@ -227,6 +230,13 @@ TEST_F(FaultSweep, AJournalIsReadAsFarAsItIsWholeAndNoOtherFileIsOne) {
   EXPECT_EQ(std::count(mended.begin(), mended.end(), '\n'), 3);
   EXPECT_EQ(again_with(mended), "0 ") << "nothing is left of the line that was cut off";
   EXPECT_EQ(again_with(""), "0 ");
+  // Cut off within its first line, also by another version or for another scene: no case was in it.
+  const std::string head = journal.substr(0, journal.find('\n'));
+  for (const std::size_t length : {std::size_t(1), std::size_t(20), head.size()}) {
+    EXPECT_EQ(again_with(head.substr(0, length)), "0 ");
+  }
+  EXPECT_EQ(again_with(R"({"file":"cases of supple sweep","program":"supple 0.)", {"--anew"}),
+            "0 ");
   const std::string second = journal.substr(journal.find('\n') + 1);
   EXPECT_EQ(again_with(journal + "junk\n" + second),
             "3 t.csv.cases:4: found no case of a sweep, expected one, or --anew to run all cases "
@@ -265,13 +275,51 @@ TEST_F(UnitSweep, ADiagramHasACurvePerValueOfTheOtherKeys) {
       "s = '{http://www.w3.org/2000/svg}'; "
       "assert len(r.findall('.//' + s + 'circle')) == 6 + 2\" " +
       (m_folder / "t.svg")));
-  EXPECT_TRUE(has("drawn/1_poisson_0.3_pressure_kpa_1_ball.png"));
-  EXPECT_TRUE(has("drawn/6_poisson_0.45_pressure_kpa_4_ball.png"));
+  EXPECT_TRUE(has("drawn/poisson_0.3_pressure_kpa_1_ball.png"));
+  EXPECT_TRUE(has("drawn/poisson_0.45_pressure_kpa_4_ball.png"));
   // A picture that is gone is drawn again.
-  std::filesystem::remove(m_folder / "drawn/3_poisson_0.3_pressure_kpa_4_ball.png");
+  std::filesystem::remove(m_folder / "drawn/poisson_0.3_pressure_kpa_4_ball.png");
   words.emplace_back("--force");
   EXPECT_NE(sweep("t.csv", words).err.find("5 of 6 cases are in"), std::string::npos);
-  EXPECT_TRUE(has("drawn/3_poisson_0.3_pressure_kpa_4_ball.png"));
+  EXPECT_TRUE(has("drawn/poisson_0.3_pressure_kpa_4_ball.png"));
+}
+
+TEST_F(UnitSweep, PicturesKeepTheirNamesWhenValuesAreAdded) {
+  ASSERT_EQ(sweep("t.csv", {"--vary", "material.poisson=0.3"}).exit_code, 0);
+  const Outcome drawn = sweep(
+      "t.csv", {"--vary", "material.poisson=0.3", "--pictures", m_folder / "drawn", "--force"});
+  ASSERT_EQ(drawn.exit_code, 0) << drawn.err;
+  EXPECT_TRUE(has("drawn/poisson_0.3_ball.png"));
+  const Outcome more = sweep(
+      "t.csv", {"--vary", "material.poisson=0.2,0.3", "--pictures", m_folder / "drawn", "--force"});
+  EXPECT_NE(more.err.find("1 of 2 cases is in"), std::string::npos) << more.err;
+  // Names of values that no file can have, or that are long, are told apart.
+  const Outcome odd =
+      sweep("u.csv", {"--vary", "step.fix=[[12, 12, 4]],[[12, 12], [4]],[[12, 12, 5]]",
+                      "--pictures", m_folder / "odd"});
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(m_folder / "odd")) {
+    names.insert(entry.path().filename().string().substr(0, 12));
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"fix_12_12_4_", "fix_12_12_5_"})) << odd.err;
+}
+
+TEST_F(FaultSweep, TheTableIsThereWhereTheDiagramFails) {
+  const Outcome outcome = sweep("t.csv", {"--vary", "material.poisson=0,0.3", "--plot",
+                                          m_folder / "t.svg", "--x", "poisson", "--log", "x"});
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_TRUE(has("t.csv")) << outcome.err;
+  EXPECT_FALSE(has("t.svg"));
+}
+
+TEST_F(FaultSweep, NoInputIsOverwritten) {
+  m_folder.write("points.csv", "x,y,z\n12,12,24\n");
+  std::string scene = kScene;
+  scene.replace(scene.find("[step.fem]"), 0, "fix_points = \"points.csv\"\n");
+  m_folder.write("s.toml", scene);
+  const Outcome outcome = sweep("points.csv", {"--vary", "material.poisson=0.3", "--force"});
+  EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
+  EXPECT_EQ(read_text(m_folder / "points.csv"), "x,y,z\n12,12,24\n");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "tools/scene/chart/chart.h"
 #include "tools/scene/sweep/report_names.h"
 #include "tools/scene/sweep/sweep_cases.h"
+#include "tools/scene/sweep/sweep_journal.h"
 #include "volumes/base/json.h"
 #include "volumes/base/toml.h"
 
@@ -145,6 +146,48 @@ TEST(UnitSweepCases, AFileHasValuesThatGoTogether) {
   EXPECT_EQ(error_with(""), "cases.csv: found an empty file, expected keys, and a line per case");
 }
 
+TEST(UnitSweepCases, KeysOfWhichOneUndoesAnotherAreRefused) {
+  const auto error_with = [](const std::vector<std::string>& keys, std::size_t n = 0) {
+    SweepCases cases;
+    for (const std::string& key : keys) cases.vary(key);
+    return error_of([&] { cases.scene_of(n, parse_toml(kScene, "s.toml"), "s.toml"); });
+  };
+  const std::vector<std::string> all_and_one = {"step.fem.coarsen=1,2", "step[1].fem.coarsen=2"};
+  EXPECT_EQ(error_with(all_and_one),
+            "step.fem.coarsen = 1, step[1].fem.coarsen = 2: found one value that replaces the "
+            "other, expected keys of different values");
+  EXPECT_EQ(error_with(all_and_one, 1), "") << "both are 2";
+  EXPECT_NE(error_with({"step[2].by[2]=1,2", "step[2].by=[0, 0, 5]"}), "");
+  EXPECT_NE(error_with({"step[2].by=[0, 0, 5]", "step[2].by[2]=1,2"}), "");
+  EXPECT_NE(error_with({"volume.\"path\"=a", "volume.path=b"}), "");
+  EXPECT_NE(error_with({"step.fem.swellings[left].pressure_kpa=2",
+                        "step.fem.swellings=[{ grab = [1, 1, 1], pressure_kpa = 3.0 }]"}),
+            "");
+  for (const std::vector<std::string>& apart : std::vector<std::vector<std::string>>{
+           {"step[1].fem.coarsen=1", "step[2].fem.coarsen=2"},
+           {"step[2].by[1]=1", "step[2].by[2]=2"},
+           {"step.fem.swellings[left].pressure_kpa=1",
+            "step[1].fem.swellings[right].pressure_kpa=2"},
+           {"step[1].relax={ passes = 3 }", "step[1].relax.start=true"}}) {
+    EXPECT_EQ(error_with(apart), "");
+  }
+}
+
+TEST(UnitSweepCases, AMaterialOfOneOfSeveralFilesIsChanged) {
+  const TemporaryFolder folder;
+  folder.write("soft.toml", "poisson = [[0, 0.3]]\nstiffness = 2\n");
+  SweepCases cases;
+  cases.vary("material.table=soft.toml");
+  cases.vary("material.poisson=0.4");
+  const Value root = parse_toml("[material]\ntable = \"none.toml\"\n", "");
+  EXPECT_EQ(json_text(cases.scene_of(0, root, folder / "s.toml")["material"]),
+            R"({"poisson":0.4,"stiffness":2})");
+}
+
+TEST(UnitSweepJournal, AFileThatCannotBeReadIsNoEmptyJournal) {
+  EXPECT_NE(error_of([] { SweepJournal("/proc/self/mem", "digest", false); }), "");
+}
+
 TEST(UnitReportNames, AVectorAlsoHasALength) {
   const Value report = parse_json(
       R"({"steps":[{"model":"fem","fem":{"volume_change_ml":2.5,"turned_voxel":[1,2,3]},
@@ -165,6 +208,15 @@ TEST(UnitReportNames, AVectorAlsoHasALength) {
   EXPECT_EQ(find_named(all, "change_ml"), nullptr);
   EXPECT_EQ(words_of("steps[0].fem.volume_change_ml"), "volume change (ml)");
   EXPECT_EQ(words_of("material.poisson"), "poisson");
+}
+
+TEST(UnitChart, DecadesBeginWithTheLeastValue) {
+  Chart chart;
+  chart.x_kind = AxisSteps::decades;
+  chart.curves = {{"a", {{1e-9, 1e-9, 1e-9, 1, "", ""}, {1e-7, 1e-7, 1e-7, 2, "", ""}}}};
+  const std::string svg = to_svg_file(chart);
+  EXPECT_NE(svg.find("cx=\"76\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find("cx=\"554\""), std::string::npos) << svg;
 }
 
 TEST(UnitChart, EvenAxesBeginAndEndOnATick) {
