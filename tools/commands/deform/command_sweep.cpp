@@ -124,7 +124,7 @@ void print_table(const SweepTable& table, const SweepOptions& options,
     const Value json = {{"table", options.output}, {"cases", to_value(table)}};
     std::printf("%s\n", json_text(json, 2).c_str());
   } else if (!global.quiet) {
-    std::printf("%s", to_text(table).c_str());
+    std::printf("%s", to_text(table, one_line).c_str());
   }
 }
 
@@ -153,7 +153,7 @@ int run_cases(const SweepOptions& options, Sweep& sweep, const GlobalOptions& gl
 /// Prints what the report of the first case has, by the names that --collect takes.
 int list_results(Sweep& sweep, const GlobalOptions& global, Console& console) {
   const CaseEnd end = sweep.run(0, console);
-  if (!end.error.empty()) throw Error(end.error);
+  if (end.thrown) std::rethrow_exception(end.thrown);
   std::set<std::string> main;
   for (const Collected& result : main_results({end})) main.insert(result.name);
   Value json;
@@ -161,8 +161,8 @@ int list_results(Sweep& sweep, const GlobalOptions& global, Console& console) {
     if (global.json) {
       json[name] = value;
     } else {
-      std::printf("%s %-50s %s\n", main.count(name) != 0 ? "*" : " ", name.c_str(),
-                  shown_text(value).c_str());
+      std::printf("%s %-50s %s\n", main.count(name) != 0 ? "*" : " ", one_line(name).c_str(),
+                  one_line(shown_text(value)).c_str());
     }
   }
   if (global.json) {
@@ -190,7 +190,7 @@ int tell_cases(const SweepOptions& options, const Sweep& sweep, const GlobalOpti
     return kOk;
   }
   for (std::size_t n = 0; n < sweep.cases().size(); ++n) {
-    std::printf("case %zu  %s\n", n + 1, sweep.cases().title(n).c_str());
+    std::printf("case %zu  %s\n", n + 1, one_line(sweep.cases().title(n)).c_str());
   }
   std::printf("%s, %zu to run; the first is planned to take %s s and %s MB\n",
               with_count(std::int64_t(sweep.cases().size()), "case").c_str(), left,
@@ -209,7 +209,7 @@ int run_sweep(const SweepOptions& options, const GlobalOptions& global, Console&
   if (options.output.empty() && !options.lists && !options.dry_run) {
     throw UsageError(to_line({"", "--output", "nothing", "-o TABLE.csv, --list or --dry-run"}));
   }
-  Sweep sweep(options.scene, std::move(cases), options.pictures, console);
+  Sweep sweep(options.scene, std::move(cases), options.lists ? "" : options.pictures, console);
   if (options.lists) return list_results(sweep, global, console);
   if (options.dry_run) return tell_cases(options, sweep, global, console);
   return run_cases(options, sweep, global, console);

@@ -125,7 +125,9 @@ std::vector<Value*> SceneKey::chosen(Value& child, std::size_t part,
     if (which.empty() || n + 1 == number || is_named) found.push_back(&child[n]);
   }
   if (!found.empty()) return found;
-  std::string expected = child.items().empty() ? "a list" : "1";
+  std::string expected = child.items().empty()       ? "a list"
+                         : child.items().size() == 1 ? "[1], the only one"
+                                                     : "1";
   if (child.items().size() > 1) expected += " to " + std::to_string(child.size());
   for (const std::string& name : names) expected += ", " + name;
   throw InputError(

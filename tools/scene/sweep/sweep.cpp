@@ -204,6 +204,14 @@ bool Sweep::has_pictures(std::size_t n) const {
   });
 }
 
+/// True for an error that names a picture of the case, such as of a full disk.
+bool Sweep::is_of_picture(const std::string& error, std::size_t n) const {
+  if (m_pictures.empty()) return false;
+  const std::vector<std::string> files = check_scene(scene_of(n), m_pictures, true).files();
+  return std::any_of(files.begin(), files.end(),
+                     [&](const std::string& file) { return error.rfind(file + ":", 0) == 0; });
+}
+
 std::size_t Sweep::known_in(const SweepJournal& journal) const {
   std::size_t known = 0;
   for (std::size_t n = 0; n < m_each.size(); ++n) {
@@ -261,10 +269,13 @@ CaseEnd Sweep::run(std::size_t n, Progress& progress) {
   } catch (const Cancelled&) {
     throw;
   } catch (const std::bad_alloc&) {
-    end.error = "not enough memory";
+    throw;
   } catch (const std::exception& error) {
     if (n == 0 && !is_open) throw;
+    const bool is_of_system = dynamic_cast<const SystemError*>(&error) != nullptr;
+    if (is_of_system && is_of_picture(error.what(), n)) throw;
     end.error = error.what();
+    end.thrown = std::current_exception();
   }
   return_free_memory();
   return end;

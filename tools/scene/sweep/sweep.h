@@ -1,6 +1,7 @@
 // A scene that is run once for each case of a sweep, in this process, one case after the other.
 #pragma once
 
+#include <exception>
 #include <map>
 #include <set>
 #include <string>
@@ -20,6 +21,7 @@ struct CaseEnd {
   Value report;
   std::string error;
   bool was_run = true;  // false: known from a journal
+  std::exception_ptr thrown{};
 };
 
 class Sweep {
@@ -43,8 +45,9 @@ class Sweep {
   ScenePlan plan(Progress& progress) const;
 
   /// Returns the report of a case from the journal, or runs the case and adds it. Errors of a case
-  /// are its end. Throws Cancelled; SystemError of the journal; and whatever keeps the first case
-  /// from being opened, since the sweep then is wrong and not the case.
+  /// are its end. Throws Cancelled; SystemError of the journal and of pictures; bad_alloc; and
+  /// whatever keeps the first case from being opened, since the sweep then is wrong and not the
+  /// case.
   CaseEnd end_of(std::size_t n, SweepJournal& journal, Progress& progress);
   /// Runs a case, whatever a journal knows of it. Throws as end_of().
   CaseEnd run(std::size_t n, Progress& progress);
@@ -58,6 +61,7 @@ class Sweep {
   void add_volume(const std::string& path, const ReadOptions& read, std::set<std::string>& files);
   const std::string& digest_of_file(const std::string& path);
   bool has_pictures(std::size_t n) const;
+  bool is_of_picture(const std::string& error, std::size_t n) const;
 
   struct Case {
     std::string digest, fault;  // fault: why it is no scene; empty: it is one

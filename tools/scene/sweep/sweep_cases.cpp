@@ -105,7 +105,7 @@ void SweepCases::add_key(const std::string& text) {
 void SweepCases::multiply(const std::vector<Row>& rows) {
   if (rows.size() * m_rows.size() > kMostCases) {
     throw UsageError(
-        to_line({"", "--vary", with_count(std::int64_t(rows.size() * m_rows.size()), "case"),
+        to_line({"", "sweep", with_count(std::int64_t(rows.size() * m_rows.size()), "case"),
                  std::to_string(kMostCases) + " at the most"}));
   }
   std::vector<Row> all;
@@ -149,10 +149,11 @@ void SweepCases::add_file(const std::string& path) {
     }
   }
   std::vector<Row> rows;
-  for (int line = 2; at < text.size(); ++line) {
+  while (at < text.size()) {
+    const auto ends = std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n');
     const std::vector<std::string> fields = take_csv_line(text, at);
     if (fields.size() == 1 && trimmed(fields.front()).empty()) continue;
-    const std::string place = path + ":" + std::to_string(line);
+    const std::string place = path + ":" + std::to_string(ends + 1);
     if (fields.size() != head.size()) {
       throw InputError({place, "", with_count(std::int64_t(fields.size()), "value"),
                         with_count(std::int64_t(head.size()), "key") + " as the first line has"});

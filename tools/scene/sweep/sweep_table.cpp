@@ -25,6 +25,23 @@ std::string short_cell(const Value& value) {
   return value.is_number() && !value.is_whole() ? number_text(value.number()) : cell_of(value);
 }
 
+bool begins_character(char c) {
+  return (c & 0xC0) != 0x80;  // of UTF-8
+}
+
+std::size_t width_of(const std::string& text) {
+  return std::size_t(std::count_if(text.begin(), text.end(), begins_character));
+}
+
+std::string shortened(std::string text) {
+  if (width_of(text) <= kWidestCell) return text;
+  std::size_t end = 0;
+  for (std::size_t width = 0; end < text.size(); ++end) {
+    if (begins_character(text[end]) && ++width > kWidestCell - 3) break;
+  }
+  return text.substr(0, end) + "...";
+}
+
 /// Errors have ends of lines where a library gave them.
 std::string in_one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -128,7 +145,8 @@ std::string to_csv(const SweepTable& table) {
   return text;
 }
 
-std::string to_text(const SweepTable& table) {
+std::string to_text(const SweepTable& table,
+                    const std::function<std::string(std::string)>& cleaned) {
   std::vector<std::vector<std::string>> lines(1, column_names(table));
   for (const SweepTable::Row& row : table.rows) {
     lines.push_back(row.values);
@@ -137,15 +155,15 @@ std::string to_text(const SweepTable& table) {
   std::vector<std::size_t> widths(lines[0].size());
   for (auto& line : lines) {
     for (std::size_t c = 0; c < line.size(); ++c) {
-      if (line[c].size() > kWidestCell) line[c] = line[c].substr(0, kWidestCell - 3) + "...";
-      widths[c] = std::max(widths[c], line[c].size());
+      line[c] = shortened(cleaned(line[c]));
+      widths[c] = std::max(widths[c], width_of(line[c]));
     }
   }
   std::string text;
   for (std::size_t n = 0; n < lines.size(); ++n) {
     std::string line;
     for (std::size_t c = 0; c < widths.size(); ++c) {
-      line += std::string(widths[c] - lines[n][c].size(), ' ') + lines[n][c] + "  ";
+      line += std::string(widths[c] - width_of(lines[n][c]), ' ') + lines[n][c] + "  ";
     }
     if (n > 0 && !table.rows[n - 1].error.empty()) line += "failed";
     line.erase(line.find_last_not_of(' ') + 1);

@@ -1,6 +1,7 @@
 // The table of a sweep: a row per case, a column per key, per result, and one of errors.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -42,8 +43,10 @@ std::vector<std::string> column_names(const SweepTable& table);
 std::size_t column_of(const SweepTable& table, const std::string& name, const std::string& option);
 
 std::string to_csv(const SweepTable& table);
-/// Columns side by side with numbers to six digits, for people.
-std::string to_text(const SweepTable& table);
+/// Columns side by side with numbers to six digits, for people. `cleaned`: the text of a cell as it
+/// may stand on a terminal.
+std::string to_text(const SweepTable& table,
+                    const std::function<std::string(std::string)>& cleaned);
 Value to_value(const SweepTable& table);
 
 }  // namespace supple::tools

@@ -133,7 +133,8 @@ TEST_F(FaultSweep, WrongKeysAndValuesAreRefusedBeforeAnythingRuns) {
             "mean 'swellings'?");
   EXPECT_EQ(error({"--vary", "material.poisson=0.6,0.3"}).substr(0, 60),
             "3 s.toml: poisson key point 1: found [0, 0.6], expected pois");
-  EXPECT_EQ(error({"--vary", "step[2].model=fem"}), "3 s.toml: step[2]: found 1 item, expected 1");
+  EXPECT_EQ(error({"--vary", "step[2].model=fem"}),
+            "3 s.toml: step[2]: found 1 item, expected [1], the only one");
   EXPECT_EQ(error({"--vary", "step.fix=[[0, 0, 99]]"}).substr(0, 2), "3 ");
   EXPECT_EQ(error({"--vary", "material.poisson"}),
             "2 --vary: found 'material.poisson', expected KEY=A,B,C");
@@ -310,6 +311,19 @@ TEST_F(FaultSweep, TheTableIsThereWhereTheDiagramFails) {
   EXPECT_EQ(outcome.exit_code, 3) << outcome.err;
   EXPECT_TRUE(has("t.csv")) << outcome.err;
   EXPECT_FALSE(has("t.svg"));
+}
+
+TEST_F(FaultSweep, AFullDiskEndsTheSweepAndAListDrawsNothing) {
+  const Outcome list = sweep("", {"--list", "--pictures", m_folder / "listed"});
+  EXPECT_EQ(list.exit_code, 0) << list.err;
+  EXPECT_FALSE(has("listed"));
+  EXPECT_EQ(sweep("", {"--list", "--vary", "step.fix=[[0, 0, 99]]"}).exit_code, 3);
+  RunOptions full;
+  full.max_file_bytes = 100;
+  const Outcome outcome = sweep(
+      "t.csv", {"--vary", "material.poisson=0.3,0.4", "--pictures", m_folder / "drawn"}, full);
+  EXPECT_EQ(outcome.exit_code, 4) << outcome.err;
+  EXPECT_FALSE(has("t.csv"));
 }
 
 TEST_F(FaultSweep, NoInputIsOverwritten) {

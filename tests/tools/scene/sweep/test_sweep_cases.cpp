@@ -7,6 +7,7 @@
 #include "tools/scene/sweep/report_names.h"
 #include "tools/scene/sweep/sweep_cases.h"
 #include "tools/scene/sweep/sweep_journal.h"
+#include "tools/scene/sweep/sweep_table.h"
 #include "volumes/base/json.h"
 #include "volumes/base/toml.h"
 
@@ -142,6 +143,8 @@ TEST(UnitSweepCases, AFileHasValuesThatGoTogether) {
   EXPECT_EQ(error_with("a,a\n1,2\n"),
             "cases.csv:1: found 'a', expected keys of the scene, each once");
   EXPECT_EQ(error_with("a\n[1\n"), "cases.csv:2: found '[1', expected a value as scenes have it");
+  EXPECT_EQ(error_with("a,b\n\"[1,\n2]\",3\n[1,4\n"),
+            "cases.csv:4: found '[1', expected a value as scenes have it");
   EXPECT_EQ(error_with("a\n"), "cases.csv: found no line below its keys, expected a line per case");
   EXPECT_EQ(error_with(""), "cases.csv: found an empty file, expected keys, and a line per case");
 }
@@ -182,6 +185,21 @@ TEST(UnitSweepCases, AMaterialOfOneOfSeveralFilesIsChanged) {
   const Value root = parse_toml("[material]\ntable = \"none.toml\"\n", "");
   EXPECT_EQ(json_text(cases.scene_of(0, root, folder / "s.toml")["material"]),
             R"({"poisson":0.4,"stiffness":2})");
+}
+
+TEST(UnitSweepTable, CellsAreCleanAndCutBetweenCharacters) {
+  std::string longest;
+  for (int n = 0; n < 61; ++n) longest += "\u03bd";
+  SweepTable table;
+  table.keys = {"k"};
+  table.rows = {{{"a\033[2J\nb"}, {}, ""}, {{longest}, {}, ""}};
+  const std::string text = to_text(table, [](std::string cell) {
+    for (char& c : cell) c = c >= 0 && c < ' ' ? '?' : c;
+    return cell;
+  });
+  EXPECT_EQ(text.substr(0, 61), std::string(59, ' ') + "k\n");
+  EXPECT_NE(text.find("a?[2J?b\n"), std::string::npos) << text;
+  EXPECT_NE(text.find(longest.substr(0, 2 * 57) + "...\n"), std::string::npos) << text;
 }
 
 TEST(UnitSweepJournal, AFileThatCannotBeReadIsNoEmptyJournal) {
