@@ -234,6 +234,7 @@ def parts(study):
         "both": {"step.tets.sheets": sheets(*falx, *tentorium)},
         "ventricles keep their volume": {"material.label": fluid(0.6, 0.4999), "step.tets.swellings": swellings(20, brain)},
         "ventricles drained to 0 mmHg": {"material.label": fluid(0.006, 0.0), "step.tets.swellings": swellings(20, brain)},
+        "temporal lobe cut free": {"step.cut": f"[{{ label = {L['temporal_lobe']}, from = {L['sylvian_bank']} }}]"},
         "only the left hemisphere swells": {"step.tets.swellings": swellings(20, left)},
         "the same with both": {"step.tets.sheets": sheets(*falx, *tentorium), "step.tets.swellings": swellings(20, left)},
     }

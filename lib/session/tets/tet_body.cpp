@@ -235,10 +235,10 @@ TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& 
   } else {
     mesh = make_tets(mask, step.solid, 1, "surface", nullptr, progress);
   }
+  std::set<std::pair<std::int32_t, std::int32_t>> parted;
   if (body.cuts.empty()) {
     mesh.faces = faces_of_regions(mesh, numbers_as_names(mesh));
   } else {
-    std::set<std::pair<std::int32_t, std::int32_t>> parted;
     for (const auto& [first, second] : parted_labels(body, labels)) {
       parted.insert(std::minmax(region_of_label(first), region_of_label(second)));
     }
@@ -249,9 +249,12 @@ TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& 
   }
   poll(progress);
   name_openings(step, body, density, labels, tets);
-  const SlotRegion region_of_slot = [&](Slot slot) { return region_of_label(labels.at(slot)); };
+  // Beside a border that is parted a voxel goes with its own bank.
+  const SiteChoice is_own_bank = [&](std::size_t tet, Slot slot) {
+    return parted.count(std::minmax(mesh.region_of[tet], region_of_label(labels.at(slot)))) == 0;
+  };
   tets.sites = voxel_sites(mesh, body.geometry, body.elements,
-                           body.cuts.empty() ? SlotRegion() : region_of_slot, &tets.far);
+                           parted.empty() ? SiteChoice() : is_own_bank, &tets.far);
   tets.unmeshed = std::count_if(tets.sites.begin(), tets.sites.end(),
                                 [](const VoxelSite& site) { return site.tet < 0; });
   if (tets.unmeshed == std::int64_t(tets.sites.size())) {

@@ -58,22 +58,17 @@ VoxelSite site_of(std::int32_t tet, const CornerWeights& weights) {
   return site;
 }
 
-/// True if a voxel may go with a tetrahedron.
-bool is_in(const SolidMesh& mesh, std::size_t tet, const SlotRegion& region_of, Slot slot) {
-  return !region_of || mesh.region_of[tet] == region_of(slot);
-}
-
 /// Voxels that no tetrahedron holds take those of their neighbours.
 class Rings {
  public:
   Rings(const SolidMesh& mesh, const std::vector<Vec3d>& places, const BrickTopology& elements,
-        const std::vector<std::int32_t>& numbers, const SlotRegion& region_of,
+        const std::vector<std::int32_t>& numbers, const SiteChoice& admits,
         std::vector<VoxelSite>& sites)
       : m_mesh(mesh),
         m_places(places),
         m_elements(elements),
         m_numbers(numbers),
-        m_region_of(region_of),
+        m_admits(admits),
         m_sites(sites) {}
 
   /// Returns the number of voxels beyond the near rings.
@@ -118,7 +113,7 @@ class Rings {
     for (int n = 0; n < 27; ++n) {
       const std::int32_t number = number_at(voxel + Vec3i(n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1));
       const std::int32_t tet = number < 0 ? -1 : m_sites[std::size_t(number)].tet;
-      if (tet < 0 || tet == best || !is_in(m_mesh, std::size_t(tet), m_region_of, own)) continue;
+      if (tet < 0 || tet == best || (m_admits && !m_admits(std::size_t(tet), own))) continue;
       const CornerWeights weights = TetWeights(m_mesh, std::size_t(tet), m_places)(Vec3d(voxel));
       if (best >= 0 && least(weights) <= least(of_best)) continue;
       best = tet;
@@ -132,7 +127,7 @@ class Rings {
   const std::vector<Vec3d>& m_places;
   const BrickTopology& m_elements;
   const std::vector<std::int32_t>& m_numbers;
-  const SlotRegion& m_region_of;
+  const SiteChoice& m_admits;
   std::vector<VoxelSite>& m_sites;
 };
 
@@ -146,7 +141,7 @@ std::vector<std::int32_t> element_numbers(const BrickTopology& elements) {
 }
 
 std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geometry,
-                                   const BrickTopology& elements, const SlotRegion& region_of,
+                                   const BrickTopology& elements, const SiteChoice& admits,
                                    std::int64_t* far) {
   const std::vector<std::int32_t> numbers = element_numbers(elements);
   const std::vector<Vec3d> places = index_places(mesh, geometry);
@@ -155,13 +150,13 @@ std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geomet
     const TetWeights weights(mesh, tet, places);
     for_each_voxel(mesh, tet, places, [&](const Vec3i& voxel) {
       Slot slot;
-      if (!slot_of(elements, voxel, slot) || !is_in(mesh, tet, region_of, slot)) return;
+      if (!slot_of(elements, voxel, slot) || (admits && !admits(tet, slot))) return;
       VoxelSite& site = sites[std::size_t(numbers[slot])];
       if (site.tet < 0) site = site_of(std::int32_t(tet), weights(Vec3d(voxel)));
     });
   }
-  std::int64_t beyond = Rings(mesh, places, elements, numbers, region_of, sites).fill();
-  if (region_of) beyond += Rings(mesh, places, elements, numbers, {}, sites).fill();
+  std::int64_t beyond = Rings(mesh, places, elements, numbers, admits, sites).fill();
+  if (admits) beyond += Rings(mesh, places, elements, numbers, {}, sites).fill();
   if (far != nullptr) *far = beyond;
   return sites;
 }

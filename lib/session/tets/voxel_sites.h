@@ -26,13 +26,13 @@ struct VoxelSite {
 /// Rings of voxels around the mesh that are near to it.
 constexpr int kNearRings = 4;
 
-/// The region of a mesh in which a voxel has to be.
-using SlotRegion = std::function<std::int32_t(Slot slot)>;
+/// Whether a voxel may go with a tetrahedron.
+using SiteChoice = std::function<bool(std::size_t tet, Slot slot)>;
 
-/// In the order of the bricks. `region_of`: regions in which voxels are, where a mesh is parted
-/// between these; empty: any. `far`: the number of voxels beyond the near rings; null: not asked.
+/// In the order of the bricks. `admits`: empty: any. `far`: the number of voxels beyond the near
+/// rings; null: not asked.
 std::vector<VoxelSite> voxel_sites(const SolidMesh& mesh, const Geometry& geometry,
-                                   const BrickTopology& elements, const SlotRegion& region_of = {},
+                                   const BrickTopology& elements, const SiteChoice& admits = {},
                                    std::int64_t* far = nullptr);
 
 /// Numbers of elements in the order of the bricks, by their slots; -1 elsewhere.
