@@ -105,7 +105,7 @@ TEST(UnitOwnModel, ItsKeysAreReadAsStrictlyAsThoseOfTheLibrary) {
 TEST(UnitOwnModel, ACommandHasItsOptionsAndHelpNamesThem) {
   const Block block;
   const std::string help = block.said({"deform", "--help"});
-  EXPECT_TRUE(has(help, "ecm|springs|fem|creep")) << help;
+  EXPECT_TRUE(has(help, "ecm|springs|fem|tets|creep")) << help;
   EXPECT_TRUE(has(help, "--creep-voxels"));
   EXPECT_TRUE(has(block.said({"keys", "creep"}), "voxels"));
   const std::string told =

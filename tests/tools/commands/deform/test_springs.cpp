@@ -322,7 +322,7 @@ TEST_F(FaultSpringScene, WrongSettingsAreNamed) {
     EXPECT_NE(line.find(words), std::string::npos) << line;
   };
   const std::string model = "model = \"springs\"\nsprings = ";
-  expect("model = \"mesh\"", "expected ecm, springs or fem");
+  expect("model = \"mesh\"", "expected ecm, springs, fem or tets");
   expect("springs = { time = 1 }", "expected model = \"springs\"");
   expect("relax = { passes = 3 }\nmodel = \"springs\"", "relax beside springs");
   expect("limits = \"ball\"\nmodel = \"springs\"", "limits beside springs");
