@@ -148,5 +148,6 @@ TEST_F(FaultMaterialColumns, WrongColumnsAreRefusedByNameAndUnit) {
 }
 
 TEST_F(FaultMaterialColumns, WithoutAPresetTheLimitsAreStillRequired) {
-  expect_refused("stiffness = [[0, 6]]\n", "1: max_length: found nothing, expected a number or a list");
+  expect_refused("stiffness = [[0, 6]]\n",
+                 "1: max_length: found nothing, expected a number or a list");
 }
