@@ -91,7 +91,7 @@ class Study:
             writer.writeheader()
             writer.writerows(cases)
         self.run("sweep", SCENE, "--cases", path + "_cases.csv", "-o", path + ".csv", "--force",
-                 *(f"--collect={c}" for c in ("volume_ml=volume_change_ml", "mesh_ml", "smallest_det_f")),
+                 *(f"--collect={c}" for c in ("volume_ml=volume_change_ml", "mesh_ml", "smallest_det_f=fem.smallest_det_f")),
                  good=(0, 1))    # 1: a case failed; its row says so
         with open(path + ".csv", newline="") as file:
             rows = list(csv.DictReader(file))
