@@ -70,7 +70,8 @@ LabelSet Cleaver::labels_of(std::int32_t point, const Block& block) const {
   return labels;
 }
 
-/// Where three labels meet in a face, as linear distances have it, but not too near to its edges.
+/// Returns the point of a face where three labels meet, as linear distances have it, but not too
+/// near to its edges.
 ExtraPoint Cleaver::point_in_face(std::array<std::int32_t, 3> corners) const {
   std::sort(corners.begin(), corners.end());
   ExtraPoint point{corners, Vec3d(0), {}};

@@ -2,7 +2,7 @@
 // near borders are moved onto them and whose other tetrahedra are cut where labels meet: on edges
 // between two labels, in faces among three, within among four.
 //
-// With one label this is isosurface stuffing: for any function whatever, in a uniform lattice,
+// One label alone makes this isosurface stuffing: for any function whatever, in a uniform lattice,
 // dihedral angles are between 10.7 and 164.8 degrees, since the surface enters by labels of
 // vertices and places of cuts along edges alone. The thresholds below are those of the widest
 // bounds among all positions of one tetrahedron (10.76 and 164.71 degrees; a test goes through

@@ -1,4 +1,4 @@
-// Where the edges of a lattice are cut by borders of labels, after vertices near them have moved.
+// Cuts of the edges of a lattice by borders of labels, after vertices near these have moved.
 #pragma once
 
 #include "lib/mesh/tets/lattice_tets.h"
@@ -32,7 +32,7 @@ class LatticeCuts {
     const std::int32_t moved = m_moved[std::size_t(vertex)];
     return moved >= 0 ? m_sets[std::size_t(moved)] : LabelSet(label(vertex));
   }
-  /// In the lattice's units.
+  /// The place of a vertex in the lattice's units.
   const Vec3d& place(std::int32_t vertex) const { return m_places[std::size_t(vertex)]; }
   Vec3d place(const EdgeCut& cut) const {
     return place(cut.p) + (place(cut.q) - place(cut.p)) * cut.part;

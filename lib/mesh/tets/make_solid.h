@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// What becomes of parts that are thinner than the lattice.
+/// Parts that are thinner than the lattice are told, or kept by smaller cubes.
 enum class ThinWalls { report, keep };
 
 struct SolidParams {
@@ -51,7 +51,7 @@ SolidMesh make_tets(const VoxelMask& mask, const VoxelLabel& label_of, const Sol
                     const std::map<std::int32_t, std::string>& names = {},
                     SolidReport* report = nullptr, Progress* progress = nullptr);
 
-/// As one region under one name.
+/// Makes one region under one name; throws as above.
 SolidMesh make_tets(const VoxelMask& mask, const SolidParams& params, std::int32_t region = 1,
                     const std::string& name = "surface", SolidReport* report = nullptr,
                     Progress* progress = nullptr);

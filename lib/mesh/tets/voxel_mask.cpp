@@ -142,7 +142,7 @@ std::map<std::int32_t, VoxelMask> masks_of_labels(const VoxelMask& mask,
 }
 
 VoxelMask thin_voxels(const VoxelMask& mask, const VoxelLabel& label_of, double thinner_mm) {
-  // What no box of 2 r + 1 voxels within comes near to.
+  // A voxel is thin that no box of 2 r + 1 voxels within its part comes near to.
   const Vec3d size = mask.geometry.spacing_mm();
   Vec3i radius;
   for (int a = 0; a < 3; ++a) {

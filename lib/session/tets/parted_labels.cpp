@@ -13,9 +13,7 @@ namespace {
 using FaceNodes = std::array<std::int32_t, 3>;
 constexpr std::size_t kFacesOfTet[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
-FaceNodes sorted_face(const SolidMesh& mesh, std::size_t tet, std::size_t face) {
-  FaceNodes nodes{};
-  for (std::size_t c = 0; c < 3; ++c) nodes[c] = mesh.tets[tet][kFacesOfTet[face][c]];
+FaceNodes sorted(FaceNodes nodes) {
   std::sort(nodes.begin(), nodes.end());
   return nodes;
 }
@@ -48,22 +46,16 @@ std::set<std::pair<std::int32_t, std::int32_t>> parted_labels(const Body& body,
   return parted;
 }
 
-void part_mesh(const std::set<std::pair<std::int32_t, std::int32_t>>& parted,
+void part_mesh(const std::set<std::string>& borders,
                const std::map<std::int32_t, std::string>& names, SolidMesh& mesh) {
-  const auto is_parted = [&](std::size_t a, std::size_t b) {
-    return parted.count(std::minmax(mesh.region_of[a], mesh.region_of[b])) > 0;
-  };
-  // Elements of each face, then around the nodes of borders.
-  std::map<FaceNodes, std::vector<std::size_t>> faces;
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    for (std::size_t f = 0; f < 4; ++f) faces[sorted_face(mesh, t, f)].push_back(t);
-  }
   std::set<FaceNodes> banks;
-  std::map<std::int32_t, std::vector<std::size_t>> around;
-  for (const auto& [nodes, tets] : faces) {
-    if (tets.size() != 2 || !is_parted(tets[0], tets[1])) continue;
-    banks.insert(nodes);
-    for (const std::int32_t node : nodes) around[node];
+  std::map<std::int32_t, std::vector<std::size_t>> around;  // elements at nodes of borders
+  for (const FaceSet& set : mesh.faces) {
+    if (borders.count(set.name) == 0) continue;
+    for (const FaceNodes& face : set.triangles) {
+      banks.insert(sorted(face));
+      for (const std::int32_t node : face) around[node];
+    }
   }
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
     for (const std::int32_t node : mesh.tets[t]) {
@@ -82,7 +74,7 @@ void part_mesh(const std::set<std::pair<std::int32_t, std::int32_t>>& parted,
       for (std::size_t f = 0; f < 4; ++f) {
         FaceNodes nodes{};
         for (std::size_t c = 0; c < 3; ++c) nodes[c] = whole[tets[n]][kFacesOfTet[f][c]];
-        std::sort(nodes.begin(), nodes.end());
+        nodes = sorted(nodes);
         if (std::count(nodes.begin(), nodes.end(), node) == 0 || banks.count(nodes) > 0) continue;
         const auto [other, is_new] = seen.try_emplace(nodes, n);
         if (!is_new) parent[root_of(parent, n)] = root_of(parent, other->second);
@@ -103,8 +95,7 @@ void part_mesh(const std::set<std::pair<std::int32_t, std::int32_t>>& parted,
   const auto is_bank = [&](const std::array<std::int32_t, 3>& face) {
     FaceNodes nodes{};
     for (std::size_t c = 0; c < 3; ++c) nodes[c] = origin[std::size_t(face[c])];
-    std::sort(nodes.begin(), nodes.end());
-    return banks.count(nodes) > 0;
+    return banks.count(sorted(nodes)) > 0;
   };
   for (FaceSet& set : mesh.faces) {
     set.triangles.erase(std::remove_if(set.triangles.begin(), set.triangles.end(), is_bank),

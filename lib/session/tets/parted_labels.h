@@ -16,11 +16,10 @@ namespace supple {
 std::set<std::pair<std::int32_t, std::int32_t>> parted_labels(const Body& body,
                                                               const BrickValues& labels);
 
-/// Gives nodes on the borders of these regions copies, one for each set of elements around a node
-/// that hang together by faces that stay. Borders that are parted are no faces of sets any more;
-/// all other sets name the nodes of the elements that they are faces of.
-/// `names`: of regions, for sets.
-void part_mesh(const std::set<std::pair<std::int32_t, std::int32_t>>& parted,
+/// Gives nodes on these sets of faces, borders of two regions, copies: one for each set of elements
+/// around a node that hang together by faces that stay. The borders are no sets any more; all other
+/// sets have the nodes of the elements that they are faces of. `names`: of regions, for sets.
+void part_mesh(const std::set<std::string>& borders,
                const std::map<std::int32_t, std::string>& names, SolidMesh& mesh);
 
 }  // namespace supple

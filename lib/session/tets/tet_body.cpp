@@ -211,23 +211,13 @@ FaceSet loaded_faces(const std::string& name, const SlotSet& elements,
   return set;
 }
 
-TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& density,
-                      const BrickValues& labels, Progress* progress) {
-  TetBody tets;
-  const VoxelMask mask = mask_of(body.geometry, body.elements);
-  tets.voxels_ml = mask.volume_mm3() * kMlPerMm3;
-  stage(progress, "meshing");
-  const VoxelLabel label_of = [&](const Vec3i& voxel) {
-    Slot slot;
-    return slot_of(body.elements, voxel, slot) && !labels.empty() ? labels.at(slot) : 0;
-  };
-  const bool is_made = step.mesh.empty();
-  SolidMesh& mesh = tets.mesh;
-  if (step.has_labels && labels.empty()) {
-    throw InputError({"", "labels", "a volume without labels", "a table [labels]"});
-  }
-  const VoxelLabel region_of = [&](const Vec3i& voxel) { return region_of_label(label_of(voxel)); };
-  if (!is_made) {
+namespace {
+
+/// The mesh with its regions, and their surfaces and borders as sets of faces.
+SolidMesh mesh_of(const TetStep& step, const VoxelMask& mask, const VoxelLabel& region_of,
+                  Progress* progress) {
+  SolidMesh mesh;
+  if (!step.mesh.empty()) {
     mesh = read_tets_of(step.mesh, mask.volume_mm3());
     if (step.has_labels) give_regions(mesh, mask, region_of);
   } else if (step.has_labels) {
@@ -235,32 +225,60 @@ TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& 
   } else {
     mesh = make_tets(mask, step.solid, 1, "surface", nullptr, progress);
   }
+  mesh.faces = faces_of_regions(mesh, numbers_as_names(mesh));
+  return mesh;
+}
+
+/// Parts the mesh where the body is cut between labels, and finds the places of the voxels: beside
+/// such a border each goes with its own bank.
+void part_and_place(const Body& body, const BrickValues& labels, TetBody& tets) {
+  SolidMesh& mesh = tets.mesh;
   std::set<std::pair<std::int32_t, std::int32_t>> parted;
-  if (body.cuts.empty()) {
-    mesh.faces = faces_of_regions(mesh, numbers_as_names(mesh));
-  } else {
-    for (const auto& [first, second] : parted_labels(body, labels)) {
-      parted.insert(std::minmax(region_of_label(first), region_of_label(second)));
-    }
-    part_mesh(parted, numbers_as_names(mesh), mesh);
+  std::set<std::string> borders;
+  for (const auto& [first, second] : parted_labels(body, labels)) {
+    parted.insert(std::minmax(region_of_label(first), region_of_label(second)));
+    borders.insert(border_name(first, second));
   }
-  if (is_made || !has_materials(mesh)) {
-    give_materials(mesh, mask, density, elastic_curves(body.material), label_of, step.bins);
+  SiteChoice is_own_bank;
+  if (!parted.empty()) {
+    part_mesh(borders, numbers_as_names(mesh), mesh);
+    is_own_bank = [&](std::size_t tet, Slot slot) {
+      const std::int32_t region = region_of_label(labels.at(slot));
+      return parted.count(std::minmax(mesh.region_of[tet], region)) == 0;
+    };
   }
-  poll(progress);
-  name_openings(step, body, density, labels, tets);
-  // Beside a border that is parted a voxel goes with its own bank.
-  const SiteChoice is_own_bank = [&](std::size_t tet, Slot slot) {
-    return parted.count(std::minmax(mesh.region_of[tet], region_of_label(labels.at(slot)))) == 0;
-  };
-  tets.sites = voxel_sites(mesh, body.geometry, body.elements,
-                           parted.empty() ? SiteChoice() : is_own_bank, &tets.far);
+  tets.sites = voxel_sites(mesh, body.geometry, body.elements, is_own_bank, &tets.far);
   tets.unmeshed = std::count_if(tets.sites.begin(), tets.sites.end(),
                                 [](const VoxelSite& site) { return site.tet < 0; });
+}
+
+}  // namespace
+
+TetBody make_tet_body(const TetStep& step, const Body& body, const DensityGrid& density,
+                      const BrickValues& labels, Progress* progress) {
+  if (step.has_labels && labels.empty()) {
+    throw InputError({"", "labels", "a volume without labels", "a table [labels]"});
+  }
+  stage(progress, "meshing");
+  const VoxelLabel label_of = [&](const Vec3i& voxel) {
+    Slot slot;
+    return slot_of(body.elements, voxel, slot) && !labels.empty() ? labels.at(slot) : 0;
+  };
+  const VoxelLabel region_of = [&](const Vec3i& voxel) { return region_of_label(label_of(voxel)); };
+  const VoxelMask mask = mask_of(body.geometry, body.elements);
+  TetBody tets;
+  tets.voxels_ml = mask.volume_mm3() * kMlPerMm3;
+  tets.mesh = mesh_of(step, mask, region_of, progress);
+  poll(progress);
+  part_and_place(body, labels, tets);
   if (tets.unmeshed == std::int64_t(tets.sites.size())) {
     throw InputError({step.mesh, "mesh", "no voxel of the body in its tetrahedra",
                       "a mesh of the body, in LPS millimetres"});
   }
+  if (step.mesh.empty() || !has_materials(tets.mesh)) {
+    give_materials(tets.mesh, mask, density, elastic_curves(body.material), label_of, step.bins);
+  }
+  name_openings(step, body, density, labels, tets);
   tets.density_kg_m3 = mass_densities(tets, body);
   return tets;
 }

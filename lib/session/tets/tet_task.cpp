@@ -56,10 +56,6 @@ class TetRun {
   void hold(const std::vector<FemGrip>& grips, TetLoads& loads) const;
   void solve(const TetLoads& loads, Progress* progress);
   void move_body(const std::vector<FemGrip>& grips) const;
-  Vec3d displacement(NodeIndex node) const {
-    const double* u = &m_solution.u_mm[3 * std::size_t(node)];
-    return {u[0], u[1], u[2]};
-  }
 
   const FemStep& m_step;
   const TetStep& m_settings;
@@ -207,7 +203,7 @@ void TetRun::move_body(const std::vector<FemGrip>& grips) const {
     const auto tet = std::size_t(site.tet);
     const std::array<double, 10> shape = shape_functions(site.weight, of_tets.count(tet));
     for (std::size_t c = 0; c < of_tets.count(tet); ++c) {
-      moved[n] += displacement(of_tets.nodes(tet)[c]) * shape[c];
+      moved[n] += displacement_of(m_solution, of_tets.nodes(tet)[c]) * shape[c];
     }
   });
   give_to_body(moved, {}, grips, true, m_task.held.body);

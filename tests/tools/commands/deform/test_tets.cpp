@@ -261,6 +261,21 @@ TEST_F(UnitTetScene, ACutBetweenLabelsPartsTheMeshThere) {
   EXPECT_NEAR(parted["reactions"][0]["force_n"][2], 0, 1e-6);
 }
 
+TEST_F(UnitTetScene, VoxelsBesideASlantedCutGoWithTheirOwnBank) {
+  const auto is_upper = [](const Vec3i& v) { return 2 * v.x + 3 * v.z >= 45; };
+  write_volume("labels", [&](const Vec3i& v) { return is_upper(v) ? 2 : 1; });
+  step(m_held +
+           "handles = [{ grab_box = [0, 0, 22, 11, 11, 23], by = [0, 0, 2] }]\n"
+           "cut = [{ label = 2, from = 1 }]\n",
+       "spacing = 3\nlabels = true", "[output]\nstate = \"state.vdb\"\n");
+  for (int i = 0; i < kDims.x; i += 2) {
+    int k = 0;
+    while (!is_upper({i, 5, k})) ++k;
+    EXPECT_NEAR(displacement_at(m_folder, {i, 5, k - 1}).z, 0, 1e-3) << i;
+    EXPECT_NEAR(displacement_at(m_folder, {i, 5, k}).z, 2, 1e-3) << i;
+  }
+}
+
 TEST_F(UnitTetScene, FiniteStrainTurnsAsFarAsItsHandles) {
   RUN_WHEN_SANITIZED();
   const std::string turned =
