@@ -54,10 +54,12 @@ class UnitTetScene : public ::testing::Test {
   /// A run of one step with these keys and these of `tets`.
   Outcome run(const std::string& keys, const std::string& tets, const std::string& after = "",
               const std::vector<std::string>& more = {}) {
+    const bool is_made = tets.rfind("mesh", 0) != 0;
     write_text(m_folder / "scene.toml",
                "[volume]\npath = \"bar.nhdr\"\n[labels]\npath = \"labels.nhdr\"\n[material]\n"
                "table = \"tissue.toml\"\n[[step]]\nmodel = \"tets\"\n" +
-                   keys + "\n[step.tets]\nsmooth = 0\n" + tets + "\n" + after);
+                   keys + "\n[step.tets]\n" + (is_made ? "smooth = 0\n" : "") + tets + "\n" +
+                   after);
     std::vector<std::string> words = {
         "run", m_folder / "scene.toml", "-o", m_folder / "out", "--json", "--force"};
     words.insert(words.end(), more.begin(), more.end());
@@ -230,17 +232,9 @@ TEST_F(UnitTetScene, AMeshOfAFileIsTheOneThatWasWritten) {
   const std::string keys =
       m_held + "handles = [{ grab_box = [0, 0, 22, 11, 11, 23], by = [1, 0, 0] }]\n";
   const json own = step(keys, "spacing = 3");
-  const std::string tets = "mesh = \"bar.vtu\"";
-  write_text(m_folder / "scene2.toml",
-             "[volume]\npath = \"bar.nhdr\"\n[material]\ntable = \"tissue.toml\"\n[[step]]\n"
-             "model = \"tets\"\n" +
-                 keys + "\n[step.tets]\n" + tets + "\n");
-  const Outcome read =
-      run_supple({"run", m_folder / "scene2.toml", "-o", m_folder / "out", "--json", "--force"});
-  ASSERT_EQ(read.exit_code, 0) << read.err;
-  const json step = json::parse(read.out)["steps"][0];
-  EXPECT_EQ(step["tets"]["tetrahedra"], own["tets"]["tetrahedra"]);
-  EXPECT_NEAR(step["reactions"][0]["force_n"][0], double(own["reactions"][0]["force_n"][0]), 1e-7);
+  const json read = step(keys, "mesh = \"bar.vtu\"");
+  EXPECT_EQ(read["tets"]["tetrahedra"], own["tets"]["tetrahedra"]);
+  EXPECT_NEAR(read["reactions"][0]["force_n"][0], double(own["reactions"][0]["force_n"][0]), 1e-7);
 }
 
 TEST_F(UnitTetScene, ACutBetweenLabelsPartsTheMeshThere) {
@@ -261,13 +255,17 @@ TEST_F(UnitTetScene, ACutBetweenLabelsPartsTheMeshThere) {
   EXPECT_NEAR(parted["reactions"][0]["force_n"][2], 0, 1e-6);
 }
 
-TEST_F(UnitTetScene, VoxelsBesideASlantedCutGoWithTheirOwnBank) {
+TEST_F(UnitTetScene, VoxelsBesideACutGoWithTheirOwnBankWhereTheMeshHasSteps) {
   const auto is_upper = [](const Vec3i& v) { return 2 * v.x + 3 * v.z >= 45; };
   write_volume("labels", [&](const Vec3i& v) { return is_upper(v) ? 2 : 1; });
+  ASSERT_EQ(run_supple({"mesh", m_folder / "bar.nhdr", "--range", "1,255", "--spacing", "4", "-o",
+                        m_folder / "bar.vtu"})
+                .exit_code,
+            0);
   step(m_held +
            "handles = [{ grab_box = [0, 0, 22, 11, 11, 23], by = [0, 0, 2] }]\n"
            "cut = [{ label = 2, from = 1 }]\n",
-       "spacing = 3\nlabels = true", "[output]\nstate = \"state.vdb\"\n");
+       "mesh = \"bar.vtu\"\nlabels = true", "[output]\nstate = \"state.vdb\"\n");
   for (int i = 0; i < kDims.x; i += 2) {
     int k = 0;
     while (!is_upper({i, 5, k})) ++k;
