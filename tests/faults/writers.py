@@ -19,7 +19,7 @@ OLD = b"the old file\n"
 FREE_BYTES = 4096  # on the full disk
 KILLS = 8
 TEMPORARY = re.compile(r"^\.supple-\d+-")
-LEFT = re.compile(r"^\.supple(-\d+-.*|\.lock)$")
+LEFT = re.compile(r"^\.supple(-\d+-.*|-spool-.{6}|\.lock)$")
 FORMATS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "tif", "vdb", "vti", "h5"]
 WARPS = ["nrrd", "nhdr", "mha", "mhd", "nii", "nii.gz", "vti", "vtu", "vtk", "h5"]
 MATERIAL = ("domain = [0, 1000]\nactive = [200, 1000]\nmax_length = [[0, 1.3]]\n"

@@ -1,5 +1,6 @@
-// A file without a name for values that must be written in another order than they come. It is
-// unlinked as soon as it is open, so that nothing of it remains however the program ends.
+// A file without a name for values that must be written in another order than they come, so that
+// nothing of it remains however the program ends. File systems that know no such files give it a
+// name for a moment; a program that is killed then leaves it empty.
 #pragma once
 
 #include <cstddef>
