@@ -1,0 +1,309 @@
+#include "lib/operation/operation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/instruments/track.h"
+#include "volumes/base/error.h"
+#include "volumes/base/sha256.h"
+#include "volumes/base/stopwatch.h"
+#include "volumes/base/text.h"
+#include "volumes/base/units.h"
+
+namespace supple {
+
+namespace {
+
+/// A spot is the same one while touches stay within this distance of it.
+constexpr double kSameSpotMm = 0.5;
+
+const char* kind_name(MembraneEvent::Kind kind) {
+  switch (kind) {
+    case MembraneEvent::Kind::link_broken:
+      return "link_broken";
+    case MembraneEvent::Kind::edge_torn:
+      return "edge_torn";
+    case MembraneEvent::Kind::gripped:
+      return "gripped";
+    case MembraneEvent::Kind::released:
+      return "released";
+    case MembraneEvent::Kind::piece_lost:
+      return "piece_lost";
+  }
+  return "";
+}
+
+}  // namespace
+
+struct Operation::Impl {
+  OperationSetup setup;
+  std::vector<Instrument> instruments;
+  std::vector<const Incision*> incisions;  // per instrument; null: none
+  std::vector<Obstacle> obstacles;
+  std::vector<Membrane> membranes;
+  std::unique_ptr<Vitreous> vitreous;
+  EyeTurn turn;
+  std::vector<Bleeding> bleedings;
+  std::vector<std::vector<char>> touched;  // per instrument and obstacle: in the last step
+  OperationSample sample;
+  OperationTimes times;
+  std::int64_t steps = 0;
+
+  explicit Impl(const OperationSetup& given);
+  const Incision* find_incision(const OperationTool& tool) const;
+  void require_free(const InstrumentPose& pose, std::size_t n) const;
+  void add_event(const std::string& kind, int tool, const std::string& at, const Vec3d& place_mm,
+                 double value);
+  InstrumentPose in_eye(const InstrumentPose& pose) const;
+  void turn_eye(const std::vector<InstrumentPose>& asked);
+  std::vector<ToolMotion> lead_instruments(const std::vector<InstrumentPose>& asked);
+  void tell_touches(std::size_t n, const std::vector<ToolTouch>& touches);
+  void bleed(const ToolTouch& touch, int tool);
+  void grow_bleedings();
+  void move_vitreous(const std::vector<ToolMotion>& motions);
+  void move_membranes(const std::vector<ToolMotion>& motions);
+};
+
+const Incision* Operation::Impl::find_incision(const OperationTool& tool) const {
+  if (tool.incision.empty()) return nullptr;
+  std::string known;
+  if (setup.eye) {
+    for (const Incision& incision : setup.eye->incisions) {
+      if (incision.name == tool.incision) return &incision;
+      known += (known.empty() ? "" : ", ") + incision.name;
+    }
+  }
+  throw InputError({"", "incision", tool.incision, known.empty() ? "a table [eye]" : known});
+}
+
+void Operation::Impl::require_free(const InstrumentPose& pose, std::size_t n) const {
+  for (const RoundCone& part : parts_at(instruments[n], pose)) {
+    for (const Obstacle& obstacle : obstacles) {
+      const double distance_mm = approach(part, obstacle.surface).distance_mm;
+      if (distance_mm >= -1e-6) continue;
+      throw InputError({"", "start of " + instruments[n].name,
+                        number_text(-distance_mm) + " mm within " + obstacle.name,
+                        "a pose that is free of all surfaces"});
+    }
+  }
+}
+
+Operation::Impl::Impl(const OperationSetup& given) : setup(given), obstacles(given.shapes) {
+  if (setup.eye) {
+    for (Incision& incision : setup.eye->incisions) {
+      incision.place_mm *= setup.eye->radius_mm / incision.place_mm.length();
+    }
+    const std::vector<Obstacle> eye = obstacles_of(*setup.eye);
+    obstacles.insert(obstacles.begin(), eye.begin(), eye.end());
+  }
+  for (const OperationTool& tool : setup.tools) {
+    instruments.push_back(make_instrument(tool.shape));
+    incisions.push_back(find_incision(tool));
+    InstrumentPose start = tool.start;
+    if (incisions.back() != nullptr) start = through_pivot(start, incisions.back()->place_mm);
+    require_free(start, instruments.size() - 1);
+    sample.instruments.push_back({start, start, 0});
+  }
+  for (const OperationMembrane& one : setup.membranes) {
+    membranes.emplace_back(one.mesh, one.params, obstacles, one.name);
+    sample.clinging_mm2 += membranes.back().clinging_mm2();
+  }
+  if (setup.vitreous) {
+    vitreous = std::make_unique<Vitreous>(*setup.vitreous, Vec3d(0.0), setup.seed);
+  }
+  touched.assign(instruments.size(), std::vector<char>(obstacles.size(), 0));
+}
+
+void Operation::Impl::add_event(const std::string& kind, int tool, const std::string& at,
+                                const Vec3d& place_mm, double value) {
+  sample.events.push_back({sample.time_s, kind,
+                           tool < 0 ? std::string() : instruments[std::size_t(tool)].name, at,
+                           place_mm, value});
+}
+
+InstrumentPose Operation::Impl::in_eye(const InstrumentPose& pose) const {
+  InstrumentPose found = pose;
+  found.tip_mm = turn.to_eye(pose.tip_mm);
+  found.axis = turn.to_eye(pose.axis);
+  return found;
+}
+
+void Operation::Impl::turn_eye(const std::vector<InstrumentPose>& asked) {
+  if (!setup.eye) return;
+  std::vector<Shaft> shafts;
+  for (std::size_t n = 0; n < asked.size(); ++n) {
+    if (incisions[n] == nullptr) continue;
+    shafts.push_back({asked[n].tip_mm, asked[n].axis, incisions[n]->place_mm});
+  }
+  turn = next_turn(*setup.eye, turn, shafts, setup.step_s);
+  sample.turn_degrees = turn.vector * kDegreesPerRadian;
+}
+
+void Operation::Impl::bleed(const ToolTouch& touch, int tool) {
+  const bool is_known = std::any_of(bleedings.begin(), bleedings.end(), [&](const Bleeding& spot) {
+    return (spot.place_mm - touch.place_mm).length() < std::max(kSameSpotMm, spot.radius_mm);
+  });
+  if (is_known) return;
+  bleedings.push_back({touch.place_mm, 0.05});
+  add_event("bleeding", tool, kRetina, touch.place_mm, touch.force_n);
+}
+
+void Operation::Impl::grow_bleedings() {
+  for (Bleeding& spot : bleedings) {
+    spot.radius_mm = std::min(spot.radius_mm + setup.eye->bleeding_mm_s * setup.step_s,
+                              setup.eye->largest_spot_mm);
+  }
+}
+
+/// Tells of a touch when it begins; forces of all that lasts are in the sample.
+void Operation::Impl::tell_touches(std::size_t n, const std::vector<ToolTouch>& touches) {
+  std::vector<char> now(obstacles.size(), 0);
+  for (const ToolTouch& touch : touches) {
+    sample.instruments[n].force_n += touch.force_n;
+    const std::size_t obstacle = std::size_t(touch.obstacle);
+    const bool is_new = !now[obstacle] && !touched[n][obstacle];
+    now[obstacle] = 1;
+    if (is_new) {
+      add_event("touch", int(n), obstacles[obstacle].name, touch.place_mm, touch.force_n);
+    }
+    const bool bleeds = setup.eye && obstacles[obstacle].name == kRetina &&
+                        touch.force_n >= setup.eye->bleeds_from_n;
+    if (bleeds) bleed(touch, int(n));
+  }
+  touched[n] = now;
+}
+
+std::vector<ToolMotion> Operation::Impl::lead_instruments(
+    const std::vector<InstrumentPose>& asked) {
+  std::vector<ToolMotion> motions;
+  for (std::size_t n = 0; n < asked.size(); ++n) {
+    InstrumentSample& one = sample.instruments[n];
+    const InstrumentPose from = one.pose;
+    one.asked = in_eye(asked[n]);
+    one.force_n = 0;
+    const Vec3d* pivot = incisions[n] == nullptr ? nullptr : &incisions[n]->place_mm;
+    const StoppedTool stopped = lead(instruments[n], from, one.asked, obstacles, pivot);
+    one.pose = stopped.pose;
+    tell_touches(n, stopped.touches);
+    motions.push_back(motion_of(int(n), instruments[n], from, one.pose));
+  }
+  return motions;
+}
+
+void Operation::Impl::move_vitreous(const std::vector<ToolMotion>& motions) {
+  if (!vitreous) return;
+  const VitreousReport report = vitreous->step(motions, instruments);
+  sample.vitreous_left = vitreous->left_part();
+  if (report.removed == 0) return;
+  for (const ToolMotion& motion : motions) {
+    const std::optional<SuctionPort>& port = instruments[std::size_t(motion.tool)].port;
+    if (!port || motion.to.active <= 0) continue;
+    const Vec3d place = frame_of(motion.to).place(port->centre_mm);
+    add_event("removed", motion.tool, "vitreous", place, double(report.removed));
+    break;
+  }
+}
+
+void Operation::Impl::move_membranes(const std::vector<ToolMotion>& motions) {
+  sample.clinging_mm2 = 0;
+  for (Membrane& membrane : membranes) {
+    const MembraneReport report = membrane.step(setup.step_s, motions, instruments);
+    for (const MembraneEvent& event : report.events) {
+      add_event(kind_name(event.kind), event.tool, membrane.name(), event.place_mm,
+                double(event.count));
+    }
+    sample.clinging_mm2 += membrane.clinging_mm2();
+  }
+}
+
+Operation::Operation(const OperationSetup& setup) : m_impl(std::make_unique<Impl>(setup)) {}
+Operation::~Operation() = default;
+Operation::Operation(Operation&&) noexcept = default;
+
+const OperationSample& Operation::step(const std::vector<InstrumentPose>& asked) {
+  Impl& in = *m_impl;
+  in.sample.events.clear();
+  in.sample.time_s = double(++in.steps) * in.setup.step_s;
+  const Stopwatch whole;
+  in.turn_eye(asked);
+  const std::vector<ToolMotion> motions = in.lead_instruments(asked);
+  in.times.contact_ms = whole.ms();
+  const Stopwatch vitreous;
+  in.move_vitreous(motions);
+  in.times.vitreous_ms = vitreous.ms();
+  const Stopwatch membranes;
+  in.move_membranes(motions);
+  in.times.membranes_ms = membranes.ms();
+  if (in.setup.eye) in.grow_bleedings();
+  in.times.total_ms = whole.ms();
+  return in.sample;
+}
+
+void Operation::take_model(const std::string& membrane, MembraneModel model) {
+  std::string known;
+  for (Membrane& one : m_impl->membranes) {
+    if (one.name() == membrane) return one.take_model(model);
+    known += (known.empty() ? "" : ", ") + one.name();
+  }
+  throw InputError({"", "membrane", membrane, known.empty() ? "a membrane in the scene" : known});
+}
+
+const OperationSetup& Operation::setup() const {
+  return m_impl->setup;
+}
+const OperationSample& Operation::sample() const {
+  return m_impl->sample;
+}
+const OperationTimes& Operation::times() const {
+  return m_impl->times;
+}
+const std::vector<Instrument>& Operation::instruments() const {
+  return m_impl->instruments;
+}
+const std::vector<Obstacle>& Operation::obstacles() const {
+  return m_impl->obstacles;
+}
+const std::vector<Membrane>& Operation::membranes() const {
+  return m_impl->membranes;
+}
+const Vitreous* Operation::vitreous() const {
+  return m_impl->vitreous.get();
+}
+const EyeTurn& Operation::turn() const {
+  return m_impl->turn;
+}
+const std::vector<Bleeding>& Operation::bleedings() const {
+  return m_impl->bleedings;
+}
+
+std::string Operation::digest() const {
+  const Impl& in = *m_impl;
+  Sha256 digest;
+  const auto feed = [&](double value) { digest.update(&value, sizeof value); };
+  const auto feed_place = [&](const Vec3d& place) {
+    for (int c = 0; c < 3; ++c) feed(place[c]);
+  };
+  for (const InstrumentSample& one : in.sample.instruments) {
+    feed_place(one.pose.tip_mm);
+    feed_place(one.pose.axis);
+    feed(one.pose.roll_degrees);
+    feed(one.pose.opening_degrees);
+    feed(one.pose.active);
+  }
+  feed_place(in.turn.vector);
+  for (const Bleeding& spot : in.bleedings) {
+    feed_place(spot.place_mm);
+    feed(spot.radius_mm);
+  }
+  for (const Membrane& membrane : in.membranes) {
+    const std::string bytes = membrane.state_bytes();
+    digest.update(bytes.data(), bytes.size());
+  }
+  if (in.vitreous) {
+    const std::string bytes = in.vitreous->state_bytes();
+    digest.update(bytes.data(), bytes.size());
+  }
+  return digest.hex();
+}
+
+}  // namespace supple

@@ -1,0 +1,161 @@
+#include "tools/scene/operation/operation_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "raycast/scene/stereo.h"
+#include "volumes/base/units.h"
+
+namespace supple::tools {
+
+namespace {
+
+constexpr int kFundusTexels = 2048;
+constexpr double kIrisMm = 8;  // z of its plane
+
+RigidPlacement placement_of(const ToolFrame& frame) {
+  return {frame.tip_mm, frame.x, frame.y, frame.z};
+}
+
+/// A ring in the plane of the iris, seen from both sides.
+TriangleMesh iris_mesh(const EyeSetup& eye) {
+  constexpr int kSides = 96;
+  const double outer_mm =
+      std::sqrt(std::max(1.0, eye.radius_mm * eye.radius_mm - kIrisMm * kIrisMm));
+  TriangleMesh mesh;
+  for (int n = 0; n < kSides; ++n) {
+    const double angle = 2 * kPi * n / kSides;
+    for (const double radius_mm : {std::min(eye.pupil_mm, outer_mm), outer_mm}) {
+      mesh.vertices_lps_mm.emplace_back(radius_mm * std::cos(angle), radius_mm * std::sin(angle),
+                                        kIrisMm);
+    }
+  }
+  for (int n = 0; n < kSides; ++n) {
+    const int a = 2 * n, b = 2 * ((n + 1) % kSides);
+    mesh.triangles.push_back({a, a + 1, b});
+    mesh.triangles.push_back({b, a + 1, b + 1});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Image beside(const Image& left, const Image& right) {
+  Image both(left.width + right.width, left.height);
+  both.has_alpha = false;
+  for (int y = 0; y < left.height; ++y) {
+    std::uint8_t* row = &both.rgba[std::size_t(y) * both.width * 4];
+    const auto copy = [&](const Image& from, std::uint8_t* to) {
+      const auto first = from.rgba.begin() + std::ptrdiff_t(y) * from.width * 4;
+      std::copy(first, first + std::ptrdiff_t(from.width) * 4, to);
+    };
+    copy(left, row);
+    copy(right, row + std::size_t(left.width) * 4);
+  }
+  return both;
+}
+
+OperationPicture::OperationPicture(const OperationScene& scene, const Operation& operation)
+    : m_scene(scene) {
+  if (const auto& eye = operation.setup().eye) {
+    m_microscope.set_globe(
+        {{0, 0, 0}, eye->radius_mm, make_fundus(kFundusTexels, std::uint64_t(eye->fundus_seed))});
+    add_iris(*eye);
+  }
+  add_instruments(operation);
+  for (std::size_t n = 0; n < operation.membranes().size(); ++n) {
+    const MembraneLook& look = scene.membranes[n];
+    SurfaceLook surface;
+    surface.rgb = look.rgb;
+    surface.opacity = look.opacity;
+    surface.specular = 0.5;
+    surface.shininess = 60;
+    surface.dims = 1 - 0.5 * look.opacity;
+    m_soft.push_back(m_microscope.add_soft(surface));
+  }
+  follow(operation, {});
+}
+
+OperationPicture::~OperationPicture() = default;
+
+void OperationPicture::add_iris(const EyeSetup& eye) {
+  SurfaceLook look;
+  look.rgb = {0.22, 0.13, 0.07};
+  look.specular = 0;
+  look.casts_shadow = false;
+  m_microscope.place(m_microscope.add_rigid(iris_mesh(eye), look), {});
+}
+
+void OperationPicture::add_instruments(const Operation& operation) {
+  for (std::size_t n = 0; n < operation.instruments().size(); ++n) {
+    const Instrument& instrument = operation.instruments()[n];
+    SurfaceLook look;
+    look.rgb = m_scene.tracks[n].rgb;
+    look.specular = 0.6;
+    look.casts_shadow = !instrument.lamp;
+    for (const InstrumentMesh& part : meshes_of(instrument)) {
+      m_placed.push_back({int(n), part.jaw, m_microscope.add_rigid(part.mesh, look)});
+    }
+  }
+}
+
+void OperationPicture::follow_lamp(const Operation& operation) {
+  LampLight light;
+  for (std::size_t n = 0; n < operation.instruments().size(); ++n) {
+    const Instrument& instrument = operation.instruments()[n];
+    const InstrumentPose& pose = operation.sample().instruments[n].pose;
+    if (!instrument.lamp || pose.active <= 0) continue;
+    light.is_on = true;
+    light.place_mm = pose.tip_mm - pose.axis * instrument.lamp->before_mm;
+    light.direction = -pose.axis;
+    light.cone_degrees = instrument.lamp->cone_degrees;
+    light.power = pose.active;
+  }
+  m_microscope.set_lamp(light);
+}
+
+void OperationPicture::follow(const Operation& operation, const std::vector<TaskBall>& balls) {
+  m_turn = operation.turn();
+  for (const Placed& placed : m_placed) {
+    const std::size_t n = std::size_t(placed.tool);
+    m_microscope.place(placed.rigid,
+                       placement_of(jaw_frame(operation.instruments()[n],
+                                              operation.sample().instruments[n].pose, placed.jaw)));
+  }
+  for (std::size_t n = 0; n < m_soft.size(); ++n) {
+    const MeshBody& body = operation.membranes()[n].body();
+    m_microscope.reshape(m_soft[n], body.pos_mm, body.triangles);
+  }
+  std::vector<BloodSpot> spots;
+  for (const Bleeding& spot : operation.bleedings()) {
+    spots.push_back({spot.place_mm.normalized(), spot.radius_mm});
+  }
+  m_microscope.set_spots(spots);
+  m_microscope.set_balls(balls);
+  follow_lamp(operation);
+}
+
+Camera OperationPicture::camera_of(const MicroscopeView& view, double time_s) const {
+  Camera camera = view.camera_at(time_s);
+  camera.position_lps_mm = m_turn.to_eye(camera.position_lps_mm);
+  camera.target_lps_mm = m_turn.to_eye(camera.target_lps_mm);
+  camera.up_lps = m_turn.to_eye(camera.up_lps);
+  return camera;
+}
+
+Microscope::Pair OperationPicture::draw_pair(const MicroscopeView& view, double time_s,
+                                             MicroscopeTimes* times) {
+  return m_microscope.draw_pair(camera_of(view, time_s), view.eye_separation_mm, view.settings(),
+                                nullptr, times);
+}
+
+Image OperationPicture::draw(const MicroscopeView& view, double time_s, MicroscopeTimes* times) {
+  if (view.stereo == StereoKind::none) {
+    return m_microscope.draw(camera_of(view, time_s), view.settings(), nullptr, times);
+  }
+  const Microscope::Pair pair = draw_pair(view, time_s, times);
+  if (view.stereo != StereoKind::anaglyph) return beside(pair.left, pair.right);
+  return to_image(anaglyph(to_float(pair.left), to_float(pair.right)));
+}
+
+}  // namespace supple::tools

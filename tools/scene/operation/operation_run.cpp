@@ -1,0 +1,225 @@
+#include "tools/scene/operation/operation_run.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "tools/scene/live/replay.h"
+#include "tools/scene/operation/operation_picture.h"
+#include "tools/scene/operation/operation_record.h"
+#include "tools/scene/pictures/picture_writer.h"
+#include "tools/scene/run/scene_files.h"
+#include "volumes/base/memory.h"
+#include "volumes/base/stopwatch.h"
+
+namespace supple::tools {
+
+namespace {
+
+/// A video of one view; two for two streams.
+class ViewVideo {
+ public:
+  ViewVideo(const MicroscopeView& view, const std::string& folder, double frames_per_second)
+      : m_view(view) {
+    for (const std::string& name : video_names(view)) {
+      m_series.push_back(
+          std::make_unique<PictureSeries>(path_in(folder, name), frames_per_second, view.place));
+    }
+  }
+
+  void add(OperationPicture& picture, double time_s) {
+    if (m_series.size() == 2) {
+      const Microscope::Pair pair = picture.draw_pair(m_view, time_s);
+      m_series[0]->add(pair.left);
+      m_series[1]->add(pair.right);
+    } else {
+      m_series[0]->add(picture.draw(m_view, time_s));
+    }
+  }
+
+  std::vector<std::string> files(int length) const {
+    std::vector<std::string> all;
+    for (const auto& one : m_series) {
+      const std::vector<std::string> files = one->files(length);
+      all.insert(all.end(), files.begin(), files.end());
+    }
+    return all;
+  }
+
+  void commit() {
+    for (const auto& one : m_series) one->commit();
+  }
+
+ private:
+  static std::vector<std::string> video_names(const MicroscopeView& view) {
+    if (view.stereo != StereoKind::two_streams) return {view.video};
+    const std::filesystem::path path(view.video);
+    const std::string stem = (path.parent_path() / path.stem()).string();
+    return {stem + "_left" + path.extension().string(),
+            stem + "_right" + path.extension().string()};
+  }
+
+  const MicroscopeView& m_view;
+  std::vector<std::unique_ptr<PictureSeries>> m_series;
+};
+
+Value times_value(const std::vector<float>& ms) {
+  const std::vector<double> values(ms.begin(), ms.end());
+  return {{"median_ms", quantile(values, 0.5)},
+          {"p95_ms", quantile(values, 0.95)},
+          {"max_ms", quantile(values, 1)}};
+}
+
+double load_now() {
+  double load = 0;
+  return getloadavg(&load, 1) == 1 ? load : 0;
+}
+
+}  // namespace
+
+struct OperationRun::Impl {
+  const OperationScene& scene;
+  std::string folder;
+  OperationOptions options;
+  Operation operation;
+  OperationRecord record;
+  std::unique_ptr<OperationPicture> picture;  // where something is drawn
+  OperationPhases phases;
+  double memory_at_start_mb = 0, memory_at_middle_mb = 0;
+  int steps = 0;
+  double wall_s = 0;
+
+  Impl(const OperationScene& given, std::string to, const OperationOptions& wanted)
+      : scene(given),
+        folder(std::move(to)),
+        options(wanted),
+        operation(given.setup),
+        record(given, operation) {}
+
+  bool draws() const {
+    if (options.draws_every_step) return true;
+    return std::any_of(scene.views.begin(), scene.views.end(), [&](const MicroscopeView& view) {
+      return !view.image.empty() || (options.makes_videos && !view.video.empty());
+    });
+  }
+  std::vector<ViewVideo> videos() const {
+    std::vector<ViewVideo> all;
+    if (!options.makes_videos) return all;
+    for (const MicroscopeView& view : scene.views) {
+      if (!view.video.empty()) all.emplace_back(view, folder, scene.frames_per_second);
+    }
+    return all;
+  }
+  int frame_count() const {
+    return std::max(1, int(scene.step_count() * scene.setup.step_s * scene.frames_per_second));
+  }
+  void step(int n);
+  void draw_step(int n, std::vector<ViewVideo>& videos, int& frames);
+  void write_images();
+};
+
+/// One step and what follows of it for tasks, log and scores.
+void OperationRun::Impl::step(int n) {
+  const double time_s = (n + 1) * scene.setup.step_s;
+  const std::vector<InstrumentPose> asked = scene.poses_at(time_s);
+  operation.step(asked);
+  record.take(operation, asked);
+  phases.contact.push_back(float(operation.times().contact_ms));
+  phases.vitreous.push_back(float(operation.times().vitreous_ms));
+  phases.membranes.push_back(float(operation.times().membranes_ms));
+  phases.step.push_back(float(operation.times().total_ms));
+}
+
+void OperationRun::Impl::draw_step(int n, std::vector<ViewVideo>& videos, int& frames) {
+  if (!picture) return;
+  const double time_s = (n + 1) * scene.setup.step_s;
+  const bool is_frame = !videos.empty() && time_s * scene.frames_per_second >= frames + 1 - 1e-9;
+  if (!is_frame && !options.draws_every_step && n + 1 < scene.step_count()) return;
+  const Stopwatch update;
+  picture->follow(operation, record.balls());
+  phases.update.push_back(float(update.ms()));
+  if (options.draws_every_step && !scene.views.empty()) {
+    const Stopwatch drawing;
+    picture->draw(scene.views.front(), time_s);
+    phases.picture.push_back(float(drawing.ms()));
+  }
+  if (!is_frame) return;
+  for (ViewVideo& video : videos) video.add(*picture, time_s);
+  ++frames;
+}
+
+void OperationRun::Impl::write_images() {
+  for (const MicroscopeView& view : scene.views) {
+    if (view.image.empty()) continue;
+    write_png(path_in(folder, view.image), picture->draw(view, operation.sample().time_s));
+  }
+}
+
+OperationRun::OperationRun(const OperationScene& scene, std::string folder,
+                           const OperationOptions& options)
+    : m_impl(std::make_unique<Impl>(scene, std::move(folder), options)) {}
+OperationRun::~OperationRun() = default;
+
+OutputPlan OperationRun::plan(bool may_overwrite) const {
+  const Impl& in = *m_impl;
+  OutputPlan plan(may_overwrite, true);
+  plan.protect(in.scene.file);
+  for (const MicroscopeView& view : in.scene.views) {
+    if (!view.image.empty()) plan.add_image(path_in(in.folder, view.image));
+  }
+  for (const ViewVideo& video : in.videos()) plan.add_files(video.files(in.frame_count()));
+  in.record.plan(in.folder, plan);
+  return plan;
+}
+
+void OperationRun::run(Progress& progress) {
+  Impl& in = *m_impl;
+  const int count = in.scene.step_count();
+  const Stopwatch whole;
+  if (in.draws()) in.picture = std::make_unique<OperationPicture>(in.scene, in.operation);
+  std::vector<ViewVideo> videos = in.videos();
+  PendingFiles files;
+  in.record.open(in.folder, files);
+  progress.stage("operating");
+  int frames = 0;
+  for (int n = 0; n < count; ++n) {
+    report(&progress, double(n) / count);
+    in.step(n);
+    in.draw_step(n, videos, frames);
+    ++in.steps;
+    if (n == count / 10) in.memory_at_start_mb = peak_rss_mb();
+    if (n == count / 2) in.memory_at_middle_mb = peak_rss_mb();
+  }
+  in.record.finish(files, in.folder);
+  files.commit();
+  for (ViewVideo& video : videos) video.commit();
+  in.write_images();
+  in.wall_s = whole.ms() / 1000;
+}
+
+const Operation& OperationRun::operation() const {
+  return m_impl->operation;
+}
+
+Value OperationRun::report() const {
+  const Impl& in = *m_impl;
+  Value times = {{"contact", times_value(in.phases.contact)},
+                 {"vitreous", times_value(in.phases.vitreous)},
+                 {"membranes", times_value(in.phases.membranes)},
+                 {"step", times_value(in.phases.step)}};
+  if (!in.phases.update.empty()) times["update"] = times_value(in.phases.update);
+  if (!in.phases.picture.empty()) times["picture"] = times_value(in.phases.picture);
+  Value report = {{"steps", in.steps},
+                  {"time_s", in.operation.sample().time_s},
+                  {"wall_s", in.wall_s},
+                  {"load", load_now()},
+                  {"times", times},
+                  {"memory_mb",
+                   {{"at_a_tenth", in.memory_at_start_mb},
+                    {"at_half", in.memory_at_middle_mb},
+                    {"at_the_end", peak_rss_mb()}}},
+                  {"digest", in.operation.digest()}};
+  report.update(in.record.report());
+  return report;
+}
+
+}  // namespace supple::tools
