@@ -44,7 +44,6 @@ struct Operation::Impl {
   std::unique_ptr<Vitreous> vitreous;
   EyeTurn turn;
   std::vector<Bleeding> bleedings;
-  std::vector<std::vector<char>> touched;  // per instrument and obstacle: in the last step
   OperationSample sample;
   OperationTimes times;
   std::int64_t steps = 0;
@@ -106,12 +105,12 @@ Operation::Impl::Impl(const OperationSetup& given) : setup(given), obstacles(giv
   }
   for (const OperationMembrane& one : setup.membranes) {
     membranes.emplace_back(one.mesh, one.params, obstacles, one.name);
+    sample.membranes.push_back({one.name, membranes.back().clinging_mm2()});
     sample.clinging_mm2 += membranes.back().clinging_mm2();
   }
   if (setup.vitreous) {
     vitreous = std::make_unique<Vitreous>(*setup.vitreous, Vec3d(0.0), setup.seed);
   }
-  touched.assign(instruments.size(), std::vector<char>(obstacles.size(), 0));
 }
 
 void Operation::Impl::add_event(const std::string& kind, int tool, const std::string& at,
@@ -145,7 +144,8 @@ void Operation::Impl::bleed(const ToolTouch& touch, int tool) {
   });
   if (is_known) return;
   bleedings.push_back({touch.place_mm, 0.05});
-  add_event("bleeding", tool, kRetina, touch.place_mm, touch.force_n);
+  const double radius_mm = setup.eye->largest_spot_mm;
+  add_event("bleeding", tool, kRetina, touch.place_mm, kPi * radius_mm * radius_mm);
 }
 
 void Operation::Impl::grow_bleedings() {
@@ -155,22 +155,23 @@ void Operation::Impl::grow_bleedings() {
   }
 }
 
-/// Tells of a touch when it begins; forces of all that lasts are in the sample.
+/// One event per surface that is touched, with the force of all touches of it.
 void Operation::Impl::tell_touches(std::size_t n, const std::vector<ToolTouch>& touches) {
-  std::vector<char> now(obstacles.size(), 0);
+  std::vector<double> force_n(obstacles.size(), 0);
+  std::vector<const ToolTouch*> hardest(obstacles.size(), nullptr);
   for (const ToolTouch& touch : touches) {
-    sample.instruments[n].force_n += touch.force_n;
-    const std::size_t obstacle = std::size_t(touch.obstacle);
-    const bool is_new = !now[obstacle] && !touched[n][obstacle];
-    now[obstacle] = 1;
-    if (is_new) {
-      add_event("touch", int(n), obstacles[obstacle].name, touch.place_mm, touch.force_n);
-    }
-    const bool bleeds = setup.eye && obstacles[obstacle].name == kRetina &&
-                        touch.force_n >= setup.eye->bleeds_from_n;
-    if (bleeds) bleed(touch, int(n));
+    const std::size_t at = std::size_t(touch.obstacle);
+    force_n[at] += touch.force_n;
+    if (hardest[at] == nullptr || touch.force_n > hardest[at]->force_n) hardest[at] = &touch;
   }
-  touched[n] = now;
+  for (std::size_t at = 0; at < obstacles.size(); ++at) {
+    if (hardest[at] == nullptr) continue;
+    sample.instruments[n].force_n += force_n[at];
+    add_event("touch", int(n), obstacles[at].name, hardest[at]->place_mm, force_n[at]);
+    const bool bleeds =
+        setup.eye && obstacles[at].name == kRetina && force_n[at] >= setup.eye->bleeds_from_n;
+    if (bleeds) bleed(*hardest[at], int(n));
+  }
 }
 
 std::vector<ToolMotion> Operation::Impl::lead_instruments(
@@ -206,13 +207,19 @@ void Operation::Impl::move_vitreous(const std::vector<ToolMotion>& motions) {
 
 void Operation::Impl::move_membranes(const std::vector<ToolMotion>& motions) {
   sample.clinging_mm2 = 0;
-  for (Membrane& membrane : membranes) {
+  for (std::size_t n = 0; n < membranes.size(); ++n) {
+    Membrane& membrane = membranes[n];
+    const double clung_mm2 = membrane.clinging_mm2(), tore_mm = membrane.torn_mm();
     const MembraneReport report = membrane.step(setup.step_s, motions, instruments);
+    const double clinging_mm2 = membrane.clinging_mm2();
     for (const MembraneEvent& event : report.events) {
-      add_event(kind_name(event.kind), event.tool, membrane.name(), event.place_mm,
-                double(event.count));
+      double value = double(event.count);
+      if (event.kind == MembraneEvent::Kind::link_broken) value = clung_mm2 - clinging_mm2;
+      if (event.kind == MembraneEvent::Kind::edge_torn) value = membrane.torn_mm() - tore_mm;
+      add_event(kind_name(event.kind), event.tool, membrane.name(), event.place_mm, value);
     }
-    sample.clinging_mm2 += membrane.clinging_mm2();
+    sample.membranes[n].clinging_mm2 = clinging_mm2;
+    sample.clinging_mm2 += clinging_mm2;
   }
 }
 

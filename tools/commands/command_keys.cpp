@@ -15,6 +15,7 @@
 #include "tools/console/field_options.h"
 #include "tools/scene/file/live_event.h"
 #include "tools/scene/file/scene.h"
+#include "tools/scene/operation/operation_keys.h"
 #include "volumes/base/json.h"
 #include "volumes/io/format/volume_file.h"
 
@@ -31,6 +32,7 @@ struct KeysOptions {
 struct KeyTable {
   std::string name, where, prefix;
   Fields fields;
+  bool is_of_operations = false;
 };
 
 /// The table of each model in a step.
@@ -100,6 +102,9 @@ std::vector<KeyTable> all_tables() {
       {"clip", "clip = [{ … }] of a [[view]]", "clip-", tools::fields(clip)},
       {"light", "light = [{ … }] of a [[view]]", "", tools::fields(light)}};
   tables.insert(tables.end(), more.begin(), more.end());
+  for (const OperationTable& table : operation_tables()) {
+    tables.push_back({table.name, table.where, "", table.fields, true});
+  }
   return tables;
 }
 
@@ -116,7 +121,7 @@ std::string option_of(const KeyTable& table, const Field& field) {
   static const std::set<std::string> kSceneTables = {
       "light",       "grab",    "motion", "path",  "function", "film",      "event",
       "camera_path", "retract", "plane",  "curve", "forces",   "pressures", "body"};
-  const bool has_no_options = kSceneTables.count(table.name) != 0;
+  const bool has_no_options = table.is_of_operations || kSceneTables.count(table.name) != 0;
   if (field.traits().is_only_in_scenes || has_no_options) return "";
   return option_name(field, table.prefix);
 }

@@ -3,9 +3,11 @@
 #include <cstdio>
 #include <fstream>
 
+#include "tools/commands/deform/operation_command.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/scene/live/replay.h"
+#include "tools/scene/operation/operation_scene.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/output_plan.h"
 #include "volumes/base/atomic_file.h"
@@ -20,6 +22,7 @@ namespace {
 struct ReplayFiles {
   std::string input, check, image, film, scene, journal, state;
   bool compares = false;
+  double duration_s = 0;
 };
 
 Value phase_json(const PhaseTimes& times) {
@@ -71,8 +74,27 @@ void write_toml(const std::string& path, const std::string& text) {
   file.commit();
 }
 
+int run_operation(Table root, const ReplayFiles& files, const GlobalOptions& global,
+                  Console& console) {
+  for (const auto& [text, name] : {std::pair(&files.film, "--film"),
+                                   {&files.scene, "--scene"},
+                                   {&files.journal, "--journal"},
+                                   {&files.state, "--state"}}) {
+    refuse_option(!text->empty(), name);
+  }
+  refuse_option(files.compares, "--ssim");
+  OperationCommand command;
+  command.is_replay = true;
+  command.duration_s = files.duration_s;
+  command.image = files.image;
+  command.check = files.check;
+  return run_operation(std::move(root), command, global, console);
+}
+
 int run_replay(const ReplayFiles& files, const ReplayOptions& options, const GlobalOptions& global,
                Console& console) {
+  Table root = Table::read(files.input);
+  if (is_operation(root)) return run_operation(std::move(root), files, global, console);
   if (!files.film.empty() && files.compares) {
     throw InputError({"", "--ssim", "a film", "--ssim without --film, whose pictures are settled"});
   }
@@ -85,7 +107,7 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
   }
   std::optional<PictureSeries> film;
   if (!files.film.empty()) film.emplace(files.film, options.frames_per_second, files.film);
-  Replay replay(Table::read(files.input), options, console, console);
+  Replay replay(std::move(root), options, console, console);
   if (film) plan.add_files(film->files(replay.film_length()));
   console.claim(plan.files());
   if (film) {
@@ -131,8 +153,13 @@ Command add_replay(CLI::App& program) {
       ->required()
       ->option_text("JOURNAL|SCENE.toml");
   add_field_options(*app, fields(*options));
-  app->add_option("--check", files->check, "Fail unless the events lead to this state")
-      ->option_text("STATE.vdb");
+  app->add_option("--check", files->check,
+                  "Fail unless the events lead to this state; of an operation, to this digest")
+      ->option_text("STATE.vdb|DIGEST");
+  app->add_option("--duration", files->duration_s,
+                  "Of an operation: seconds of it, in place of what its scene says")
+      ->check(CLI::PositiveNumber)
+      ->option_text("S");
   app->add_option("--image", files->image, "The settled picture")->option_text("F.png");
   app->add_option("--film", files->film,
                   "All of it as pictures at the journal's times: a_%04d.png, .mp4, .webm or .avi")

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "lib/state/state.h"
+#include "tools/commands/deform/operation_command.h"
 #include "tools/console/command.h"
 #include "tools/console/console.h"
 #include "tools/console/dry_run.h"
@@ -11,6 +12,7 @@
 #include "tools/scene/choice/run_phases.h"
 #include "tools/scene/file/draw_method.h"
 #include "tools/scene/file/step_method.h"
+#include "tools/scene/operation/operation_scene.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/plan/plan_text.h"
 #include "tools/scene/plan/scene_plan.h"
@@ -100,8 +102,29 @@ OutputPlan files_of(const Scene& scene, const RunSceneOptions& options, bool may
   }
 }
 
+int run_operation(Table root, const RunSceneOptions& options, const GlobalOptions& global,
+                  Console& console) {
+  const std::pair<bool, const char*> others[] = {{options.resume, "--resume"},
+                                                 {!options.frames.empty(), "--frames"},
+                                                 {!options.method.empty(), "--method"},
+                                                 {!options.drawing.empty(), "--drawing"},
+                                                 {!options.state.empty(), "--state"},
+                                                 {options.has_accuracy, "--accuracy"},
+                                                 {options.tells_plan, "--plan"},
+                                                 {!options.wanted.table.empty(), "--table"},
+                                                 {!options.wanted.budget.empty(), "--budget"},
+                                                 {!options.wanted.error.empty(), "--error"}};
+  for (const auto& [is_given, name] : others) refuse_option(is_given, name);
+  OperationCommand command;
+  command.folder = options.folder;
+  command.is_dry = options.dry_run;
+  return run_operation(std::move(root), command, global, console);
+}
+
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
-  Scene scene = read_scene(options.scene);
+  Table root = Table::read(options.scene);
+  if (is_operation(root)) return run_operation(std::move(root), options, given, console);
+  Scene scene = read_scene(std::move(root));
   if (!options.method.empty()) solve_by(scene, parse_method(options.method));
   if (options.has_accuracy) solve_to(scene, options.fem.params.accuracy);
   if (!options.drawing.empty()) draw_by(scene, parse_drawing(options.drawing));

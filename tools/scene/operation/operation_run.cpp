@@ -177,8 +177,7 @@ void OperationRun::run(Progress& progress) {
   const Stopwatch whole;
   if (in.draws()) in.picture = std::make_unique<OperationPicture>(in.scene, in.operation);
   std::vector<ViewVideo> videos = in.videos();
-  PendingFiles files;
-  in.record.open(in.folder, files);
+  in.record.open(in.folder);
   progress.stage("operating");
   int frames = 0;
   for (int n = 0; n < count; ++n) {
@@ -189,8 +188,7 @@ void OperationRun::run(Progress& progress) {
     if (n == count / 10) in.memory_at_start_mb = peak_rss_mb();
     if (n == count / 2) in.memory_at_middle_mb = peak_rss_mb();
   }
-  in.record.finish(files, in.folder);
-  files.commit();
+  in.record.finish(in.folder);
   for (ViewVideo& video : videos) video.commit();
   in.write_images();
   in.wall_s = whole.ms() / 1000;

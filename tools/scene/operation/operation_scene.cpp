@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "lib/contact/mesh_surface.h"
+#include "tools/scene/operation/operation_keys.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 #include "volumes/base/units.h"
@@ -12,88 +13,30 @@ namespace supple::tools {
 
 namespace {
 
-/// Keys of [operation].
-struct RunKeys {
-  double step_s = 0.02, duration_s = 0, frames_per_second = 25;
-  bool repeats = false;
-  int seed = 1;
-};
-
-Fields fields(RunKeys& keys) {
-  return {
-      Field("step", keys.step_s, "Time of a step").unit("s").positive(),
-      Field("duration", keys.duration_s, "Time until the operation ends")
-          .unit("s")
-          .at_least(0)
-          .otherwise("until the last track ends"),
-      Field("repeat", keys.repeats, "Tracks begin again when they end"),
-      Field("seed", keys.seed, "Seed of generated tissue").at_least(0),
-      Field("frames_per_second", keys.frames_per_second, "Pictures of videos per second")
-          .positive(),
-  };
-}
-
-Fields fields(InstrumentPose& pose) {
-  return {
-      Field("tip", pose.tip_mm, "Place of the tip").unit("mm").required(),
-      Field("axis", pose.axis, "Direction from the tip to the hand"),
-      Field("roll", pose.roll_degrees, "Turn about the axis").unit("degrees"),
-      Field("opening", pose.opening_degrees, "Angle between the jaws").unit("degrees").range(0, 90),
-      Field("active", pose.active, "Suction of a vitrector, light of a lamp").range(0, 1),
-  };
-}
-
-Fields fields(HandMotion& hand) {
-  return {
-      Field("bandwidth", hand.bandwidth_hz, "Frequency to which the way is smoothed")
-          .unit("Hz")
-          .positive(),
-      Field("tremor", hand.tremor_mm, "Tremor of the tip, root mean square per axis")
-          .unit("mm")
-          .at_least(0),
-      Field("tremor_lowest", hand.tremor_lowest_hz, "Lowest frequency of the tremor")
-          .unit("Hz")
-          .positive(),
-      Field("tremor_highest", hand.tremor_highest_hz, "Highest frequency of the tremor")
-          .unit("Hz")
-          .positive(),
-      Field("sampling", hand.sampling_hz, "Rate of the tracking").unit("Hz").positive(),
-      Field("latency", hand.latency_s, "Latency of the tracking").unit("s").at_least(0),
-  };
-}
-
 InstrumentTrack made_track(Table& table, const std::optional<Vec3d>& incision_mm) {
-  HandMotion hand;
-  InstrumentPose pose;
+  WayKeys key;
+  HandKeys hand;
   double before_s = -HUGE_VAL;
   for (Table& row : table.tables("way")) {
-    double time_s = 0;
-    Fields all = fields(pose);
-    all.push_back(Field("time", time_s, "Time of the key").unit("s").required());
-    row.read(all);
-    if (!row.has("axis") && incision_mm && *incision_mm != pose.tip_mm) {
-      pose.axis = (*incision_mm - pose.tip_mm).normalized();
+    row.read(fields(key));
+    if (!row.has("axis") && incision_mm && *incision_mm != key.pose.tip_mm) {
+      key.pose.axis = *incision_mm - key.pose.tip_mm;
     }
-    if (pose.axis.length() == 0) row.fail("axis", "[0, 0, 0]", "a direction");
-    pose.axis.normalize();
-    if (time_s <= before_s) {
-      row.fail("time", number_text(time_s), "a time after " + number_text(before_s));
+    if (key.pose.axis.length() == 0) row.fail("axis", "[0, 0, 0]", "a direction");
+    key.pose.axis.normalize();
+    if (key.time_s <= before_s) {
+      row.fail("time", number_text(key.time_s), "a time after " + number_text(before_s));
     }
-    before_s = time_s;
+    before_s = key.time_s;
     row.finish();
-    hand.way.push_back({time_s, pose});
+    hand.motion.way.push_back({key.time_s, key.pose});
   }
-  int seed = 1;
-  if (auto keys = table.table("hand")) {
-    Fields all = fields(hand);
-    all.push_back(Field("seed", seed, "Seed of the tremor").at_least(0));
-    keys->read(all);
-    keys->finish();
-  } else {
-    return InstrumentTrack(hand.way);
-  }
-  hand.seed = std::uint64_t(seed);
-  return make_track(hand);
+  std::optional<Table> keys = table.table("hand");
+  if (!keys) return InstrumentTrack(hand.motion.way);
+  keys->read(fields(hand));
+  keys->finish();
+  hand.motion.seed = std::uint64_t(hand.seed);
+  return make_track(hand.motion);
 }
 
 std::optional<Vec3d> incision_of(Table& table, const OperationSetup& setup,
@@ -110,26 +53,25 @@ std::optional<Vec3d> incision_of(Table& table, const OperationSetup& setup,
 
 void read_instrument(Table& table, OperationScene& scene) {
   OperationTool tool;
-  ToolTrack track;
-  table.read(fields(tool.shape));
-  table.read({Field("incision", tool.incision, "Incision of the eye through which it goes"),
-              Field("colour", track.rgb, "Colour in pictures")});
+  ToolKeys keys;
+  InstrumentTrack track;
+  table.read(supple::fields(tool.shape));
+  table.read(fields(keys));
+  tool.incision = keys.incision;
   const std::optional<Vec3d> incision_mm = incision_of(table, scene.setup, tool.incision);
-  const std::optional<std::string> path = table.path("track");
-  if (path && table.has("way")) table.fail("way", "a way beside a track", "one of them");
-  if (path) {
-    table.know({"hand"});
-    if (table.has("hand")) table.fail("hand", "a hand beside a track", "one along a way");
-    track.track = read_track(*path);
-  } else if (table.has("way")) {
-    track.track = made_track(table, incision_mm);
+  if (keys.track.empty() == !table.has("way"))
+    table.fail_missing("track", "a track, or else a way");
+  if (keys.track.empty()) {
+    track = made_track(table, incision_mm);
+  } else if (table.has("hand")) {
+    table.fail("hand", "a hand beside a track", "one along a way");
   } else {
-    table.fail_missing("track", "a track or a way");
+    track = read_track(keys.track);
   }
   table.finish();
-  tool.start = track.track.at(0);
+  tool.start = track.at(0);
   scene.setup.tools.push_back(std::move(tool));
-  scene.tracks.push_back(std::move(track));
+  scene.tracks.push_back({std::move(track), keys.rgb});
 }
 
 void read_eye(Table& table, OperationSetup& setup) {
@@ -139,8 +81,7 @@ void read_eye(Table& table, OperationSetup& setup) {
   if (!incisions.empty()) eye.incisions.clear();
   for (Table row : incisions) {
     Incision incision;
-    row.read({Field("name", incision.name, "By which instruments name it").required(),
-              Field("at", incision.place_mm, "Direction from the centre").required()});
+    row.read(fields(incision));
     if (incision.place_mm.length() == 0) row.fail("at", "[0, 0, 0]", "a place on the globe");
     row.finish();
     eye.incisions.push_back(incision);
@@ -153,26 +94,19 @@ void read_eye(Table& table, OperationSetup& setup) {
 }
 
 void read_shape(Table& table, OperationSetup& setup) {
-  Obstacle shape;
-  std::string kind;
-  Vec3d at{0, 0, 0}, normal{0, 0, 1};
-  double radius_mm = 1;
-  table.read(
-      {Field("name", shape.name, "By which events name it").required(),
-       Field("kind", kind, "What it is").one_of({"sphere", "hollow", "plane", "mesh"}).required(),
-       Field("at", at, "Centre, a point of the plane, or the shift of the mesh").unit("mm"),
-       Field("normal", normal, "Direction of a plane's free side"),
-       Field("radius", radius_mm, "Radius").unit("mm").positive()});
-  if (kind == "mesh") {
-    const auto path = table.require(table.path("path"), "path", "the path of a mesh");
-    shape.surface = MeshShape{std::make_shared<const MeshSurface>(read_mesh(path)), at};
-  } else if (kind == "plane") {
-    if (normal.length() == 0) table.fail("normal", "[0, 0, 0]", "a direction");
-    shape.surface = PlaneShape{at, normal.normalized()};
-  } else if (kind == "hollow") {
-    shape.surface = HollowSphere{at, radius_mm};
-  } else {
-    shape.surface = SphereShape{at, radius_mm};
+  ShapeKeys keys;
+  table.read(fields(keys));
+  if ((keys.kind == "mesh") == keys.path.empty()) {
+    table.fail_missing("path", "the path of a mesh, and kind = \"mesh\"");
+  }
+  Obstacle shape{keys.name, SphereShape{keys.at, keys.radius_mm}};
+  if (keys.kind == "mesh") {
+    shape.surface = MeshShape{std::make_shared<const MeshSurface>(read_mesh(keys.path)), keys.at};
+  } else if (keys.kind == "plane") {
+    if (keys.normal.length() == 0) table.fail("normal", "[0, 0, 0]", "a direction");
+    shape.surface = PlaneShape{keys.at, keys.normal.normalized()};
+  } else if (keys.kind == "hollow") {
+    shape.surface = HollowSphere{keys.at, keys.radius_mm};
   }
   table.finish();
   setup.shapes.push_back(std::move(shape));
@@ -181,37 +115,28 @@ void read_shape(Table& table, OperationSetup& setup) {
 /// The generated sheet of a membrane in the eye.
 TriangleMesh read_sheet(Table& table, const OperationSetup& setup, const MembraneParams& params) {
   if (!setup.eye) table.fail("sheet", "no eye", "a table [eye], on whose retina it lies");
-  Vec3d middle{0, 0, -1};
-  double radius_mm = 3;
-  int nodes = 1500;
-  table.read({Field("middle", middle, "Direction of its middle from the eye's centre"),
-              Field("radius", radius_mm, "Radius of the sheet").unit("mm").positive(),
-              Field("nodes", nodes, "Least number of nodes").range(7, 100000)});
-  if (middle.length() == 0) table.fail("middle", "[0, 0, 0]", "a direction");
+  SheetKeys keys;
+  table.read(fields(keys));
+  if (keys.middle.length() == 0) table.fail("middle", "[0, 0, 0]", "a direction");
   table.finish();
   return membrane_on_sphere({0, 0, 0}, setup.eye->radius_mm - params.thickness_mm,
-                            middle.normalized(), radius_mm, nodes);
+                            keys.middle.normalized(), keys.radius_mm, keys.nodes);
 }
 
 void read_membrane(Table& table, OperationScene& scene) {
+  MembraneKeys keys;
   OperationMembrane membrane;
-  MembraneLook look;
-  std::string kind;
-  table.read({Field("kind", kind, "What it is").one_of({"membrane"}).required(),
-              Field("name", membrane.name, "By which events and tasks name it").required(),
-              Field("colour", look.rgb, "Colour in pictures"),
-              Field("opacity", look.opacity, "Opacity in pictures").range(0, 1)});
+  table.read(fields(keys));
   table.read(supple::fields(membrane.params));
-  const std::optional<std::string> path = table.path("path");
+  membrane.name = keys.name;
   std::optional<Table> sheet = table.table("sheet");
-  if (path.has_value() == sheet.has_value()) {
+  if (keys.path.empty() == !sheet)
     table.fail_missing("path", "the path of a mesh, or else a sheet");
-  }
-  membrane.mesh = path ? merge_equal_vertices(read_mesh(*path)).mesh
-                       : read_sheet(*sheet, scene.setup, membrane.params);
+  membrane.mesh = sheet ? read_sheet(*sheet, scene.setup, membrane.params)
+                        : merge_equal_vertices(read_mesh(keys.path)).mesh;
   table.finish();
   scene.setup.membranes.push_back(std::move(membrane));
-  scene.membranes.push_back(look);
+  scene.membranes.push_back(keys.look);
 }
 
 void read_view(Table& table, OperationScene& scene) {
@@ -219,13 +144,10 @@ void read_view(Table& table, OperationScene& scene) {
   view.place = table.place();
   table.read(fields(view));
   for (Table& row : table.tables("keys")) {
-    double time_s = 0, zoom = 1;
-    Vec3d focus_mm = view.focus_mm;
-    row.read({Field("time", time_s, "Time of the key").unit("s").required(),
-              Field("focus", focus_mm, "Place that is in focus").unit("mm"),
-              Field("zoom", zoom, "Magnification").positive()});
-    if (row.has("focus")) view.focus_keys.add(time_s, focus_mm, Easing::smooth);
-    if (row.has("zoom")) view.zoom_keys.add(time_s, zoom, Easing::smooth);
+    ViewKey key;
+    row.read(fields(key));
+    if (row.has("focus")) view.focus_keys.add(key.time_s, key.focus_mm, Easing::smooth);
+    if (row.has("zoom")) view.zoom_keys.add(key.time_s, key.zoom, Easing::smooth);
     row.finish();
   }
   table.finish();
@@ -237,46 +159,6 @@ void read_view(Table& table, OperationScene& scene) {
 
 bool is_operation(Table& root) {
   return root.has("operation");
-}
-
-Fields fields(MicroscopeView& view) {
-  return {
-      Field("image", view.image, "Picture of the end").shown_as("F.png").otherwise(""),
-      Field("video", view.video, "All of it: .mp4, .webm, .avi or numbered a_%04d.png")
-          .shown_as("F")
-          .otherwise(""),
-      Field("focus", view.focus_mm, "Place that is in focus").unit("mm"),
-      Field("from", view.from, "Direction from the focus to the microscope"),
-      Field("up", view.up, "Direction that is up in the picture"),
-      Field("distance", view.distance_mm, "Distance from the focus").unit("mm").positive(),
-      Field("field", view.field_mm, "Height that is seen at the focus").unit("mm").positive(),
-      Field("eye_separation", view.eye_separation_mm, "Distance of the eyes of a stereo pair")
-          .unit("mm")
-          .positive(),
-      Field("stereo", view.stereo, {"none", "side_by_side", "anaglyph", "two_streams"},
-            "One picture, or a pair and how it is shown"),
-      Field("shadow", view.shadow, {"none", "hard", "soft"}, "Shadow of the lamp"),
-      Field("size", view.size, "Size of one picture").unit("pixels").range(16, 8192),
-      Field("smooth_edges", view.smooth_edges, "Four samples per pixel at edges"),
-      Field("vitreous_part", view.vitreous_part,
-            "The vitreous is marched at this part of the width; 0: not drawn")
-          .range(0, 16),
-      Field("ambient", view.ambient, "Light without the lamp").range(0, 1),
-  };
-}
-
-Fields fields(OperationOutput& output) {
-  return {
-      Field("log", output.log, "Log of steps and events, JSON lines")
-          .shown_as("F.jsonl")
-          .otherwise(""),
-      Field("score", output.score, "Scores with what was measured")
-          .shown_as("F.json")
-          .otherwise(""),
-      Field("tracks", output.tracks, "Poses that hands asked for, %s being the instrument")
-          .shown_as("F_%s.csv")
-          .otherwise(""),
-  };
 }
 
 Vec3d MicroscopeView::focus_at(double time_s) const {
@@ -349,9 +231,15 @@ OperationScene read_operation(Table root) {
     table->read(supple::fields(*scene.setup.vitreous));
     table->finish();
   }
+  scene.tasks = read_tasks(root);
+  scene.rules = read_score_rules(root);
   for (Table& table : root.tables("view")) read_view(table, scene);
   if (auto table = root.table("output")) {
     table->read(fields(scene.output));
+    const std::string& tracks = scene.output.tracks;
+    if (!tracks.empty() && tracks.find("%s") == std::string::npos) {
+      table->fail("tracks", tracks, "%s in place of the instrument's name");
+    }
     table->finish();
   }
   root.finish();

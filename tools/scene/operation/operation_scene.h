@@ -9,6 +9,8 @@
 
 #include "lib/instruments/track.h"
 #include "lib/operation/operation.h"
+#include "lib/operation/score_rule.h"
+#include "lib/operation/task.h"
 #include "raycast/microscope/microscope.h"
 #include "raycast/scene/camera.h"
 #include "volumes/base/table.h"
@@ -19,10 +21,10 @@ namespace supple::tools {
 /// True for the root of an operation's scene.
 bool is_operation(Table& root);
 
-/// A track of a file, or one that a hand makes along way points.
+/// A track of a file, or one that a hand makes along way points; and the instrument's colour.
 struct ToolTrack {
   InstrumentTrack track;
-  Rgb rgb{0.72, 0.74, 0.78};
+  Rgb rgb;
 };
 
 struct MembraneLook {
@@ -74,6 +76,8 @@ struct OperationScene {
   OperationSetup setup;
   std::vector<ToolTrack> tracks;        // per instrument
   std::vector<MembraneLook> membranes;  // per membrane
+  std::vector<TaskSetup> tasks;
+  std::vector<ScoreRule> rules;
   std::vector<MicroscopeView> views;
   OperationOutput output;
   double duration_s = 0;          // 0 as given: until the last track ends

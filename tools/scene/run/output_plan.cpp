@@ -79,6 +79,11 @@ void OutputPlan::add_table(const std::string& path) {
   add_file(path);
 }
 
+void OutputPlan::add_log(const std::string& path) {
+  require_extension(path, ".jsonl");
+  add_file(path);
+}
+
 void OutputPlan::add_chart(const std::string& path) {
   require_extension(path, ".svg");
   add_file(path);

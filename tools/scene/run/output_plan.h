@@ -34,6 +34,7 @@ class OutputPlan {
   void add_state(const std::string& path);                                     // .vdb
   void add_report(const std::string& path);                                    // .json
   void add_table(const std::string& path);                                     // .csv
+  void add_log(const std::string& path);                                       // .jsonl
   void add_chart(const std::string& path);                                     // .svg
   void add_like(const std::string& path, const std::string& input);            // input's extension
   void add_dense(const std::string& path);  // a format of volume_writer.h; pairs count both files

@@ -1,0 +1,85 @@
+#include "tools/commands/deform/operation_command.h"
+
+#include <cstdio>
+
+#include "tools/console/command.h"
+#include "tools/scene/operation/operation_run.h"
+#include "volumes/base/json.h"
+
+namespace supple::tools {
+
+namespace {
+
+void print_times(const Value& times) {
+  std::printf("%-12s %10s %10s %10s\n", "ms", "median", "p95", "largest");
+  for (const auto& [name, phase] : times.entries()) {
+    std::printf("%-12s %10.2f %10.2f %10.2f\n", name.c_str(), phase["median_ms"].number(),
+                phase["p95_ms"].number(), phase["max_ms"].number());
+  }
+}
+
+void print_score(const Value& score) {
+  for (const auto& [key, category] : score["categories"].entries()) {
+    std::printf("%-22s %5.1f of 100\n", category["title"].text().c_str(),
+                category["points"].number());
+  }
+  for (const Value& task : score["tasks"].items()) {
+    std::printf("task %-17s %5.1f %%\n", task["name"].text().c_str(),
+                100 * task["progress"].number());
+  }
+}
+
+void print_report(const Value& report) {
+  std::printf("%d steps, %.2f s of operation in %.2f s, load %.1f\n", int(report["steps"].number()),
+              report["time_s"].number(), report["wall_s"].number(), report["load"].number());
+  print_times(report["times"]);
+  print_score(report["score"]);
+  std::printf("state        %s\n", report["digest"].text().c_str());
+}
+
+}  // namespace
+
+void refuse_option(bool is_given, const char* option) {
+  if (!is_given) return;
+  throw UsageError(std::string(option) + ": an operation has none; it is for scenes of a volume");
+}
+
+int run_operation(Table root, const OperationCommand& command, const GlobalOptions& global,
+                  Console& console) {
+  OperationScene scene = read_operation(std::move(root));
+  if (command.duration_s > 0) scene.duration_s = command.duration_s;
+  if (command.is_replay) {
+    scene.output = {};
+    for (MicroscopeView& view : scene.views) view.image = view.video = "";
+    if (!command.image.empty() && scene.views.empty()) {
+      throw InputError({scene.file, "view", "none", "a table [[view]] for --image"});
+    }
+    if (!command.image.empty()) scene.views.front().image = command.image;
+  }
+  OperationOptions options;
+  options.draws_every_step = command.is_replay && !command.is_dry;
+  OperationRun run(scene, command.folder, options);
+  const OutputPlan plan = run.plan(global.force || command.is_dry);
+  if (command.is_dry) {
+    std::printf("%d steps of %g s\n", scene.step_count(), scene.setup.step_s);
+    for (const std::string& file : plan.files()) std::printf("%s\n", file.c_str());
+    return kOk;
+  }
+  console.claim(plan.files());
+  run.run(console);
+  Value report = run.report();
+  report["outputs"] = plan.files();
+  if (global.json) {
+    std::printf("%s\n", json_text(report, 2).c_str());
+  } else if (!global.quiet) {
+    console.clear_line();
+    print_report(report);
+  }
+  if (!command.check.empty() && command.check != report["digest"].text()) {
+    throw Error(scene.file + ": leads to state " + report["digest"].text() + ", not " +
+                command.check);
+  }
+  return kOk;
+}
+
+}  // namespace supple::tools
