@@ -10,17 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "lib/instruments/round_cone.h"
 #include "volumes/base/fields.h"
 #include "volumes/base/vec.h"
 #include "volumes/io/mesh/triangle_mesh.h"
 
 namespace supple {
-
-/// All points within a radius of a segment; the radius changes evenly from one end to the other.
-struct RoundCone {
-  Vec3d a_mm, b_mm;
-  double a_radius_mm, b_radius_mm;
-};
 
 enum class InstrumentKind { needle, pick, forceps, vitrector, lamp, spatula };
 
@@ -31,7 +26,7 @@ struct InstrumentPart {
 
 /// Where forceps take hold: points within the radius of the segment between the closed jaws.
 struct GripZone {
-  RoundCone zone;             // in the instrument's frame
+  RoundCone zone;                                              // in the instrument's frame
   double grips_below_degrees = 0, releases_above_degrees = 0;  // opening
 };
 

@@ -31,25 +31,21 @@ struct Obstacle {
   RigidSurface surface;
 };
 
-/// Distance between a round cone and a surface, negative where it enters; the point of the surface
-/// that is nearest, and the unit normal there into free space.
-struct Approach {
-  double distance_mm;
-  Vec3d place_mm, normal;
-};
+/// Finds how near a round cone is to a surface, negative where it enters. Exact up to rounding, for
+/// meshes up to 1 um.
 Approach approach(const RoundCone& part, const RigidSurface& surface);
 
 struct ToolTouch {
-  int obstacle;          // index
-  int part;              // of the instrument
+  int obstacle;  // index
+  int part;      // of the instrument
   Vec3d place_mm, normal;
-  double asked_mm;       // depth to which the hand has led it
-  double force_n;        // with which the hand presses: depth times the instrument's stiffness
-  double along_mm;       // way along the surface in this step
+  double asked_mm;  // depth to which the hand has led it
+  double force_n;   // with which the hand presses: depth times the instrument's stiffness
+  double along_mm;  // way along the surface in this step
 };
 
 struct StoppedTool {
-  InstrumentPose pose;   // outside of all obstacles by at least 0, up to rounding of 1e-6 mm
+  InstrumentPose pose;  // outside of all obstacles by at least 0, up to rounding of 1e-6 mm
   std::vector<ToolTouch> touches;
 };
 /// Leads an instrument from a free pose towards the pose that the hand asks for, and stops it at

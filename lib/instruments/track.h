@@ -41,12 +41,12 @@ void write_track(const InstrumentTrack& track, const std::string& path);
 
 /// A hand that leads an instrument along way points.
 struct HandMotion {
-  std::vector<TrackKey> way;      // through which it leads
-  double bandwidth_hz = 6;        // of the hand: the way is smoothed to this
-  double tremor_mm = 0.1;         // amplitude (root of the mean square per coordinate) of the tip
+  std::vector<TrackKey> way;  // through which it leads
+  double bandwidth_hz = 6;    // of the hand: the way is smoothed to this
+  double tremor_mm = 0.1;     // amplitude (root of the mean square per coordinate) of the tip
   double tremor_lowest_hz = 8, tremor_highest_hz = 10;
-  double sampling_hz = 50;        // of the tracking
-  double latency_s = 0.012;       // of the tracking
+  double sampling_hz = 50;   // of the tracking
+  double latency_s = 0.012;  // of the tracking
   std::uint64_t seed = 1;
 };
 /// The track that a tracking system would give of it: same bits for the same seed on all machines.
