@@ -81,8 +81,8 @@ struct InstrumentPose {
   double active = 0;           // 0 … 1: suction and cutting of a vitrector, light of a lamp
 };
 
-/// Axes of an instrument's frame at a pose; roll 0 has x perpendicular to the axis and to the world
-/// axis that is farthest from it.
+/// Axes of an instrument's frame at a pose; at roll 0 those of the world after the shortest turn of
+/// z to the axis. Frames go steadily with the axis, but for an axis along -z.
 struct ToolFrame {
   Vec3d tip_mm, x, y, z;
   Vec3d place(const Vec3d& local_mm) const {
