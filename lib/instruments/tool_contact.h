@@ -12,8 +12,8 @@
 
 namespace supple {
 
-/// Free space inside of a sphere, such as the eyeball; the shaft passes its wall within `gate_mm`
-/// of each gate, an incision.
+/// Free space inside of a sphere, such as the eyeball; a part passes its wall at an incision, a
+/// gate, where its axis goes by within `gate_mm`.
 struct HollowSphere {
   Vec3d centre_mm;
   double radius_mm;
@@ -32,7 +32,7 @@ struct Obstacle {
 };
 
 /// Finds how near a round cone is to a surface, negative where it enters. Exact up to rounding, for
-/// meshes up to 1 um.
+/// meshes up to 1 um, and up to 2 % of what is beyond their neighbourhood of a radius.
 Approach approach(const RoundCone& part, const RigidSurface& surface);
 
 struct ToolTouch {
