@@ -7,7 +7,7 @@ namespace supple {
 
 namespace {
 
-constexpr double kTouchMm = 1e-4;
+constexpr double kMetMm = 1e-4;
 constexpr int kMaxAdvances = 1000;  // of one touch; tangential ways need the most
 
 /// A unit vector perpendicular to a direction.
@@ -66,7 +66,7 @@ std::optional<double> first_touch(const Vec3d& point_from_mm, const Vec3d& point
   for (int n = 0; n < kMaxAdvances; ++n) {
     const double room =
         approach(point_from_mm + way * part, between(from, to, part)).distance_mm - gap_mm;
-    if (room < kTouchMm) return part;
+    if (room < kMetMm) return part;
     if (room >= (1 - part) * fastest) return std::nullopt;
     part += room / fastest;
   }
