@@ -13,11 +13,11 @@ namespace supple {
 
 namespace {
 
-constexpr int kRounds = 8;
+constexpr int kRounds = 6;
 constexpr int kBends = 6;           // of one way along surfaces
 constexpr double kUnseenMm = 4e-3;  // a part may enter a surface that far between two free poses
 constexpr double kLiftMm = 2e-7;    // kept off a surface along which it slides
-constexpr double kStopMm = 5e-6;    // a stop is found to this
+constexpr double kStopMm = 2e-5;    // a stop is found to this
 constexpr double kTouchMm = 1e-4;   // what is nearer touches
 constexpr int kMaxPoses = 4000;     // of one way
 
@@ -74,8 +74,9 @@ class Leader {
   }
 
   static bool is_same(const InstrumentPose& a, const InstrumentPose& b) {
-    constexpr double kSame = 1e-5;
-    return (a.tip_mm - b.tip_mm).length() < kSame && (a.axis - b.axis).length() < kSame &&
+    constexpr double kSame = 1e-3;  // mm and degrees
+    return (a.tip_mm - b.tip_mm).length() < kSame &&
+           (a.axis - b.axis).length() < kSame * kRadiansPerDegree &&
            std::abs(a.roll_degrees - b.roll_degrees) < kSame &&
            std::abs(a.opening_degrees - b.opening_degrees) < kSame;
   }
@@ -112,37 +113,51 @@ class Leader {
   }
 
   /// True if nothing enters a surface by more than kUnseenMm between the pose and the next one,
-  /// both free. Rooms shrink no faster than parts go. In a ball they are concave along straight
-  /// ways, behind a plane convex ways have their least at an end; else they are the least of
-  /// distances from points, and way²/8 over that distance is how far such a least may lie below
-  /// both ends.
+  /// both free.
   bool is_free(const PlacedTool& next, const ToolPath& path, double share) const {
     const std::size_t count = m_tool.parts.size();
     for (std::size_t p = 0; p < count; ++p) {
       const RoundCone &a = m_now.parts[p], &b = next.parts[p];
       const double way = std::max((b.a_mm - a.a_mm).length(), (b.b_mm - a.b_mm).length());
-      const double sag = path.sag_mm(m_tool, m_tool.parts[p], share);
+      const double unseen = kUnseenMm - path.sag_mm(m_tool, m_tool.parts[p], share);
       for (std::size_t o = 0; o < m_obstacles.size(); ++o) {
         const std::size_t n = o * count + p;
-        const double first = m_now.rooms_mm[n] - m_least_mm[n];
-        const double second = next.rooms_mm[n] - m_least_mm[n];
-        if ((first + second - way) / 2 - sag >= -kUnseenMm) continue;
-        const double bend = way * way / (8 * roundness_mm(m_obstacles[o].surface, a));
-        if (std::min(first, second) - bend - sag < -kUnseenMm) return false;
+        const double first = m_now.rooms_mm[n], second = next.rooms_mm[n];
+        if ((first + second - way) / 2 - m_least_mm[n] >= -unseen) continue;
+        if (unseen < 0 || !is_passage(a, b, m_obstacles[o].surface, m_least_mm[n] - unseen)) {
+          return false;
+        }
       }
     }
     return true;
   }
 
-  /// Distance of centres from the points of a surface that they may pass; infinite where rooms are
-  /// nowhere between less than at both ends.
-  static double roundness_mm(const RigidSurface& surface, const RoundCone& part) {
-    if (std::holds_alternative<HollowSphere>(surface)) return HUGE_VAL;
-    if (std::holds_alternative<PlaneShape>(surface)) return HUGE_VAL;
-    if (const auto* ball = std::get_if<SphereShape>(&surface)) {
-      return ball->radius_mm + thinnest(part);
+  /// True if a part has a room of at least `least` while its ends go straight from one free place
+  /// to another.
+  static bool is_passage(const RoundCone& from, const RoundCone& to, const RigidSurface& surface,
+                         double least_mm) {
+    // Rooms in a ball and before a plane are concave along straight ways: least at an end.
+    if (std::holds_alternative<HollowSphere>(surface)) return true;
+    if (std::holds_alternative<PlaneShape>(surface)) return true;
+    // A plane that touches something convex has all of it behind.
+    if (!std::holds_alternative<MeshShape>(surface)) {
+      const Approach first = approach(from, surface), second = approach(to, surface);
+      if (-behind(to, first.place_mm, first.normal) >= least_mm) return true;
+      if (-behind(from, second.place_mm, second.normal) >= least_mm) return true;
     }
-    return std::max(thinnest(part), 1e-3);
+    // Rooms shrink no faster than balls go: half of each ball's way is taken off at both places.
+    const double a_mm = (to.a_mm - from.a_mm).length(), b_mm = (to.b_mm - from.b_mm).length();
+    const auto room = [&](const RoundCone& cone, double a_more_mm, double b_more_mm) {
+      return approach(
+                 {cone.a_mm, cone.b_mm, cone.a_radius_mm + a_more_mm, cone.b_radius_mm + b_more_mm},
+                 surface)
+          .distance_mm;
+    };
+    if (room(from, a_mm / 2, b_mm / 2) + room(to, a_mm / 2, b_mm / 2) >= 2 * least_mm) return true;
+    // They are the least of distances from points, which dip below a chord by way² / 8 distance.
+    const double dip = 1 / (8 * std::max(thinnest(from), 1e-3));
+    const double a_dip = a_mm * a_mm * dip, b_dip = b_mm * b_mm * dip;
+    return std::min(room(from, a_dip, b_dip), room(to, a_dip, b_dip)) >= least_mm;
   }
 
   /// Goes as far as the way is free; true at its end. Else it tells what stopped it.
@@ -165,9 +180,19 @@ class Leader {
         for (const std::size_t pair : in) add_stop(pair);
         return false;
       }
-      step = std::min(step, 1 - done) / 2;
+      step = (to - done) * (in.empty() ? 0.5 : share_left(next, in));
     }
     return done >= 1;
+  }
+
+  /// Part of a way that is left by its end where rooms shrink evenly.
+  double share_left(const PlacedTool& next, const std::vector<std::size_t>& in) const {
+    double share = 0.9;
+    for (const std::size_t n : in) {
+      const double room = m_now.rooms_mm[n] - m_least_mm[n];
+      share = std::min(share, room / (m_now.rooms_mm[n] - next.rooms_mm[n]));
+    }
+    return std::max(share, 1e-9);
   }
 
   void add_stop(std::size_t pair) {

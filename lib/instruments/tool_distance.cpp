@@ -86,7 +86,7 @@ Approach of_cone(const PlaneShape& s, const RoundCone& cone) {
 }
 
 /// A lens is convex, and so is the distance along the axis: where it is least on one cap, that is
-/// all; else halving finds where its slope changes sign.
+/// all; else it is where the slope changes sign.
 Approach of_cone(const LensShape& lens, const RoundCone& cone) {
   for (const SphereShape& cap : {lens.front, lens.back}) {
     const Ball ball = ball_at(cone, nearest_part(cap.centre_mm, cone));
@@ -94,18 +94,27 @@ Approach of_cone(const LensShape& lens, const RoundCone& cone) {
     if ((found.place_mm - of_point(cap, ball.centre_mm).place_mm).length2() < 1e-24) return found;
   }
   const Vec3d axis = cone.b_mm - cone.a_mm;
+  const auto slope_of = [&](const Approach& found) {
+    return found.normal.dot(axis) - (cone.b_radius_mm - cone.a_radius_mm);
+  };
   double low = 0, high = 1;
   Approach best = of_ball(lens, ball_at(cone, 0));
   const Approach end = of_ball(lens, ball_at(cone, 1));
-  if (end.distance_mm < best.distance_mm) best = end;
-  while ((high - low) * axis.length() > 1e-7) {
-    const double middle = (low + high) / 2;
-    const Approach found = of_ball(lens, ball_at(cone, middle));
+  double falls = slope_of(best), rises = slope_of(end);
+  if (falls >= 0) return best;
+  if (rises <= 0) return end;
+  for (int n = 0; n < 100 && (high - low) * axis.length() > 1e-7; ++n) {
+    const double by_slopes = falls / (falls - rises);
+    const double share = n % 3 == 2 ? 0.5 : std::clamp(by_slopes, 0.01, 0.99);
+    const double part = low + (high - low) * share;
+    const Approach found = of_ball(lens, ball_at(cone, part));
     if (found.distance_mm < best.distance_mm) best = found;
-    const double slope = found.normal.dot(axis) - (cone.b_radius_mm - cone.a_radius_mm);
-    (slope > 0 ? high : low) = middle;
+    const double slope = slope_of(found);
+    if (std::abs(slope) < 1e-7) break;  // times what is left of the axis is below 1e-7 mm
+    (slope > 0 ? high : low) = part;
+    (slope > 0 ? rises : falls) = slope;
   }
-  return best;
+  return best.distance_mm < end.distance_mm ? best : end;
 }
 
 /// A gate lets a shaft pass whose axis goes by it within gate_mm: what of it is beyond the gate is
