@@ -26,17 +26,17 @@ enum class MembraneModel { springs, ecm };
 
 struct MembraneParams {
   MembraneModel model = MembraneModel::springs;
-  double stiffness_n_m = 20;      // of the sheet: Young's modulus times thickness
-  double bending_n_m = 0;         // of springs across edges; 0: none
-  double density_kg_m2 = 0.02;    // mass per area
-  double damping_per_s = 40;      // of the fluid around it (Rayleigh's alpha)
-  double adhesion_j_m2 = 0.05;    // energy that frees an area; 0: none
-  double adhesion_mm = 0.05;      // stretch at which a link of adhesion breaks
-  double strength_n_m = 20;       // tension along which edges tear; 0: it does not tear
-  double friction = 0.1;          // against instruments and what lies under it
+  double stiffness_n_m = 20;    // of the sheet: Young's modulus times thickness
+  double bending_n_m = 0;       // of springs across edges; 0: none
+  double density_kg_m2 = 0.02;  // mass per area
+  double damping_per_s = 40;    // of the fluid around it (Rayleigh's alpha)
+  double adhesion_j_m2 = 0.05;  // energy that frees an area; 0: none
+  double adhesion_mm = 0.05;    // stretch at which a link of adhesion breaks
+  double strength_n_m = 20;     // tension along which edges tear; 0: it does not tear
+  double friction = 0.1;        // against instruments and what lies under it
   double substep_s = 0.002;
   int sweeps = 2;
-  double thickness_mm = 0.02;     // distance that it keeps
+  double thickness_mm = 0.02;        // distance that it keeps
   double smallest_piece_mm2 = 0.05;  // torn-off pieces below this area vanish
 };
 /// Keys of a [[body]] of kind "membrane".
@@ -44,16 +44,17 @@ Fields fields(MembraneParams& params);
 
 struct MembraneEvent {
   enum class Kind { link_broken, edge_torn, gripped, released, piece_lost } kind;
-  std::int64_t count = 0;  // of links, edges, nodes, triangles
-  int tool = -1;           // that grips or releases
+  std::int64_t count = 0;   // of links, edges, nodes, triangles
+  int tool = -1;            // that grips or releases
   Vec3d place_mm{0, 0, 0};  // middle of them
 };
 
 struct MembraneReport {
   std::vector<MembraneEvent> events;
-  std::vector<Vec3d> tool_forces_n;   // per ToolMotion: with which the membrane pulls at it
-  int contacts = 0, pinched = 0;      // nodes that touch; that two things press at once
-  double longest_stretch = 1;         // of an edge, times its length at rest
+  std::vector<Vec3d> tool_forces_n;  // per ToolMotion: with which the membrane pulls at it
+  int contacts = 0, pinched = 0;     // nodes that touch; that two things press at once
+  double longest_stretch = 1;        // of an edge, times its length at rest
+  int inverted = 0;                  // triangles that face against those beside them
 };
 
 /// Energies in J.
@@ -97,8 +98,8 @@ class Membrane {
   std::unique_ptr<Impl> m_impl;
 };
 
-/// Circular sheet on the inside of a sphere about the direction `middle`: rings of nearly equal
-/// triangles with at least `nodes` nodes.
+/// Circular sheet on a sphere about the direction `middle`, which faces the centre: nearly equal
+/// triangles of a regular lattice with at least `nodes` nodes, within the circle.
 TriangleMesh membrane_on_sphere(const Vec3d& centre_mm, double radius_mm, const Vec3d& middle,
                                 double sheet_radius_mm, int nodes);
 
