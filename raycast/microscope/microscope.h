@@ -23,19 +23,20 @@ struct RigidPlacement {
 };
 
 /// sRGB texels, row 0 first. On a globe they are an azimuthal equidistant map about its -z axis:
-/// the middle is the posterior pole, the inscribed circle the anterior one.
+/// the middle is the posterior pole, the inscribed circle the anterior one; columns go along x and
+/// rows against y, as who looks along -z sees it.
 struct TextureImage {
   int width = 0, height = 0;
   std::vector<std::array<std::uint8_t, 3>> texels;
 };
 
 struct SurfaceLook {
-  std::array<double, 3> rgb{0.75, 0.75, 0.78};
-  double opacity = 1;
-  double specular = 0.3;  // part of light that is mirrored
-  double shininess = 40;  // exponent of the lobe
-  bool casts_shadow = true;
-  double dims = 1;  // part of light that passes, where it dims and does not block
+  std::array<double, 3> rgb{0.75, 0.75, 0.78};  // sRGB, as of balls
+  double opacity = 1;        // seen along the normal: a thin sheet that is seen aslant hides more
+  double specular = 0.3;     // part of light that is mirrored
+  double shininess = 40;     // exponent of the lobe
+  bool casts_shadow = true;  // blocks light
+  double dims = 1;           // part of light that passes where it does not block
 };
 
 struct GlobeLook {
@@ -44,15 +45,16 @@ struct GlobeLook {
   TextureImage fundus;
 };
 
+/// Light at the tip of a lamp. It falls off with the square of the distance.
 struct LampLight {
   bool is_on = false;
   Vec3d place_mm{0, 0, 0}, direction{0, 0, -1};
-  double cone_degrees = 35;
-  double edge_degrees = 8;  // over which the cone fades
-  double power = 1;
+  double cone_degrees = 35;  // half of the cone, to where no light goes
+  double edge_degrees = 8;   // of these, over which it fades
+  double power = 1;          // at 8 mm a white surface that faces it is fully lit
 };
 
-/// A ball that a task shows.
+/// A translucent ball that a task shows, as bright without light.
 struct TaskBall {
   Vec3d centre_mm;
   double radius_mm;
@@ -69,13 +71,15 @@ struct BloodSpot {
 struct MicroscopeSettings {
   int width = 800, height = 600;
   double ambient = 0.03;
-  int shadow_samples = 1;    // 0: none; more: soft
+  int shadow_samples = 1;        // 0: none; more: soft
   double lamp_radius_mm = 0.15;  // of soft shadows
   bool smooth_edges = true;
-  int haze_part = 4;         // of the width at which a volume is marched; 0: none
+  int haze_part = 4;      // of the width at which a volume is marched; 0: none
+  bool eyepiece = false;  // dark outside of a circle
 };
 
-/// Where rays of a picture end: distance along each ray in mm, endless where nothing is met.
+/// Where rays of a picture end: distance along each ray in mm, endless where nothing is met. A
+/// translucent surface ends them, too: haze behind it is left out.
 struct RayDepths {
   int width = 0, height = 0;
   std::vector<float> mm;
@@ -86,10 +90,11 @@ class HazeLayer {
  public:
   virtual ~HazeLayer() = default;
   /// Colour (premultiplied, linear) and opacity of each pixel of a small picture of the camera, up
-  /// to the depths of its pixels.
+  /// to the depths of its pixels and of their size. Called twice for an eye that sees balls.
   virtual FloatImage draw(const Camera& camera, const RayDepths& depths) = 0;
 };
 
+/// Wall time of the parts of a picture, or of both of a pair.
 struct MicroscopeTimes {
   double build_ms = 0, rays_ms = 0, shadow_ms = 0, edges_ms = 0, haze_ms = 0, tone_ms = 0;
 };
@@ -112,10 +117,11 @@ class Microscope {
   void set_lamp(const LampLight& lamp);
   void set_balls(const std::vector<TaskBall>& balls);
 
-  /// Same bits for any number of threads. `haze`: null for none.
+  /// Same bits for any number of threads. `haze`: null for none. With a globe only what lies within
+  /// it is seen. Throws InputError: an orthographic or bad camera, settings out of their range.
   Image draw(const Camera& camera, const MicroscopeSettings& settings, HazeLayer* haze = nullptr,
              MicroscopeTimes* times = nullptr);
-  /// Two pictures of settings.width each.
+  /// Two pictures of settings.width each, which share a window in the plane of the camera's target.
   struct Pair {
     Image left, right;
   };

@@ -34,10 +34,10 @@ const std::map<std::string, std::set<std::string>> kNever = {
 
 /// Third-party headers, and the only folders (with those below them) in which they may appear.
 const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
-    {"embree3/", {"raycast/march"}},
+    {"embree3/", {"raycast/march", "raycast/microscope"}},
     {"opencv2/", {"raycast/pictures/plugin"}},
     {"OpenEXR/", {"raycast/pictures/plugin"}},
-    {"hwy/", {"raycast/march", "raycast/sample"}},
+    {"hwy/", {"raycast/march", "raycast/microscope", "raycast/sample"}},
     {"toml++/", {"volumes/base"}},
     {"nlohmann/", {"volumes/base", "volumes/io", "tools/lab"}},
     {"CLI/", {"tools/commands", "tools/console", "tools/examples", "tools/lab", "tools/viewer"}},
