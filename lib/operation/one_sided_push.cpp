@@ -52,9 +52,16 @@ OneSidedPush::OneSidedPush(Body& body, const SlotSet& anchors) : m_body(body) {
   });
 }
 
-void OneSidedPush::push(OneSidedAsks asks) {
+std::vector<std::size_t> OneSidedPush::push(OneSidedAsks asks) {
   parallel_for(std::size_t(3),
                [&](std::size_t c) { push_along(c, asks.at_least[c], asks.at_most[c]); });
+  std::vector<std::size_t> touched;
+  for (const Coordinate& own : m_coordinates) {
+    touched.insert(touched.end(), own.touched.begin(), own.touched.end());
+  }
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  return touched;
 }
 
 void OneSidedPush::push_along(std::size_t c, std::vector<Seed>& at_least,
@@ -69,7 +76,8 @@ void OneSidedPush::push_along(std::size_t c, std::vector<Seed>& at_least,
   };
   if (!at_least.empty()) run(Direction::raise);
   if (!at_most.empty()) run(Direction::lower);
-  if (!at_least.empty() && !at_most.empty()) {
+  const auto is_met = [&](const Seed& seed) { return values.at(seed.slot) >= seed.value; };
+  if (!at_most.empty() && !std::all_of(at_least.begin(), at_least.end(), is_met)) {
     own.touched = own.undo.bricks();
     own.first.clear();
     for (const std::size_t brick : own.touched) {
@@ -116,6 +124,7 @@ void OneSidedPush::note_changes(std::size_t c) {
     }
     m_body.drop_fractions(int(c), brick, before);
   }
+  own.touched = own.undo.bricks();
   own.undo.clear();
 }
 

@@ -31,8 +31,9 @@ class OneSidedPush {
   /// anchors then bound what they held before as they did.
   OneSidedPush(Body& body, const SlotSet& anchors);
 
-  /// Moves the body; asks that anchors do not allow are shortened.
-  void push(OneSidedAsks asks);
+  /// Moves the body; asks that anchors do not allow are shortened. Returns the bricks in which
+  /// offsets may have changed, ascending.
+  std::vector<std::size_t> push(OneSidedAsks asks);
 
   /// Bricks in which offsets have changed since clear_changes(), ascending, and their elements.
   std::vector<SlotSet::Brick> changes() const;
@@ -42,10 +43,10 @@ class OneSidedPush {
   struct Coordinate {
     std::unique_ptr<Propagator> propagator;
     UndoLog undo;
-    BrickValues least, most;          // that anchors allow
-    std::vector<BrickMask> changed;   // per brick
-    std::vector<std::int32_t> first;  // result of the first order, 512 per brick of `touched`
-    std::vector<std::size_t> touched;
+    BrickValues least, most;           // that anchors allow
+    std::vector<BrickMask> changed;    // per brick
+    std::vector<std::int32_t> first;   // result of the first order, 512 per brick of `touched`
+    std::vector<std::size_t> touched;  // by the first order, later by the whole push
   };
 
   void push_along(std::size_t c, std::vector<Seed>& at_least, std::vector<Seed>& at_most);

@@ -12,10 +12,11 @@ namespace supple {
 
 namespace {
 
-constexpr double kWay = 0.8;          // of a substep, in radii of the thinnest moving part
-constexpr int kMostSubsteps = 16;     // of a step
-constexpr double kSkinVoxels = 0.01;  // depth at which nothing is pushed yet
-constexpr int kRounds = 2;            // of pushes at the end of a step
+constexpr double kWay = 0.8;       // of a substep, in radii of the thinnest moving part
+constexpr int kMostSubsteps = 16;  // of a step
+/// Depth up to which elements stay in a tool: neighbours on both sides of a thin one then need not
+/// be further apart than links let them.
+constexpr double kSkinVoxels = 0.3;
 
 /// Longest way of an end, in units of the radius there.
 double way_in_radii(const MovingPart& part, double least_radius_mm) {
@@ -32,6 +33,16 @@ struct Entered {
   Vec3d out;
   double depth_mm;
 };
+
+/// True where a place is outside of a cone for sure; cheaper than approach().
+bool is_clear_of(const Vec3d& place_mm, const RoundCone& cone) {
+  const Vec3d axis = cone.b_mm - cone.a_mm, from = place_mm - cone.a_mm;
+  const double along = from.dot(axis), square = axis.dot(axis);
+  const double part = along <= 0 ? 0 : along >= square ? 1 : along / square;
+  const Vec3d off = from - axis * part;
+  const double radius = std::max(cone.a_radius_mm, cone.b_radius_mm);
+  return off.dot(off) > radius * radius;
+}
 
 /// Space that the port of a tool reaches in a step.
 struct PortReach {
@@ -64,10 +75,12 @@ struct Vitreous::Impl {
   Impl(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed);
 
   Vec3d place_mm(std::size_t b, int offset) const;
+  bool is_near(std::size_t b, const RoundCone& cone) const {
+    return approach(balls[b].middle_mm, cone).distance_mm <= balls[b].radius_mm;
+  }
   std::vector<std::size_t> bricks_near(const std::vector<RoundCone>& cones) const;
   std::vector<Entered> entered(const std::vector<RoundCone>& cones) const;
   void push_out(const std::vector<Entered>& list);
-  void follow_boxes();
   void remove(const std::vector<PortReach>& ports);
   void cut_links(Slot slot);
 
@@ -77,7 +90,7 @@ struct Vitreous::Impl {
   std::unique_ptr<OneSidedPush> pusher;
   std::vector<BrickMask> left;  // per brick of the elements
   std::int64_t left_count = 0;
-  /// Middle and half diagonal, in mm, of a box around all elements that are left in a brick.
+  /// Ball around all elements that are left in a brick.
   struct Ball {
     Vec3d middle_mm;
     double radius_mm;
@@ -115,24 +128,31 @@ Vec3d Vitreous::Impl::place_mm(std::size_t b, int offset) const {
 }
 
 void Vitreous::Impl::find_ball(std::size_t b) {
-  Vec3d lo(1e300), hi(-1e300);
-  for_each_active(left[b], [&](int offset) {
-    const Vec3d place = place_mm(b, offset);
-    for (int c = 0; c < 3; ++c) {
-      lo[c] = std::min(lo[c], place[c]);
-      hi[c] = std::max(hi[c], place[c]);
+  if (left[b] == BrickMask{}) {
+    balls[b] = {Vec3d(0), -1e300};
+    return;
+  }
+  Vec3d lo(body.elements.origin(b)), hi = lo + Vec3d(kBrickDim - 1);
+  for (int c = 0; c < 3; ++c) {
+    const std::int32_t* q = body.q[std::size_t(c)].brick_or_zero(b);
+    std::int32_t least = q[0], most = q[0];
+    for (int n = 1; n < kBrickVoxels; ++n) {
+      least = std::min(least, q[n]);
+      most = std::max(most, q[n]);
     }
-  });
-  balls[b] = lo.x > hi.x ? Ball{Vec3d(0), -1e300} : Ball{(lo + hi) / 2.0, (hi - lo).length() / 2};
+    lo[c] += least / kFixedOne;
+    hi[c] += most / kFixedOne;
+  }
+  balls[b] = {body.geometry.origin_lps_mm() + (lo + hi) * (spacing_mm / 2),
+              (hi - lo).length() * spacing_mm / 2};
 }
 
 std::vector<std::size_t> Vitreous::Impl::bricks_near(const std::vector<RoundCone>& cones) const {
   std::vector<std::size_t> near;
   for (std::size_t b = 0; b < balls.size(); ++b) {
-    const bool is_near = std::any_of(cones.begin(), cones.end(), [&](const RoundCone& cone) {
-      return approach(balls[b].middle_mm, cone).distance_mm <= balls[b].radius_mm;
-    });
-    if (is_near) near.push_back(b);
+    const bool is_wanted = std::any_of(cones.begin(), cones.end(),
+                                       [&](const RoundCone& cone) { return is_near(b, cone); });
+    if (is_wanted) near.push_back(b);
   }
   return near;
 }
@@ -143,19 +163,26 @@ std::vector<Entered> Vitreous::Impl::entered(const std::vector<RoundCone>& cones
   std::vector<std::vector<Entered>> found(near.size());
   parallel_for(near.size(), Grain{2}, [&](std::size_t n) {
     const std::size_t b = near[n];
+    std::vector<RoundCone> of_brick;
+    for (const RoundCone& cone : cones) {
+      if (is_near(b, cone)) of_brick.push_back(cone);
+    }
     for_each_active(left[b], [&](int offset) {
       const Vec3d place = place_mm(b, offset);
       double deepest = kSkinVoxels * spacing_mm;
-      Vec3d out;
+      Vec3d normal;
       bool is_in = false;
-      for (const RoundCone& cone : cones) {
-        const Approach near_cone = approach(place, cone);
-        if (-near_cone.distance_mm <= deepest) continue;
+      for (const RoundCone& cone : of_brick) {
+        if (is_clear_of(place, cone)) continue;
+        const Approach to_cone = approach(place, cone);
+        if (-to_cone.distance_mm <= deepest) continue;
         is_in = true;
-        deepest = -near_cone.distance_mm;
-        out = near_cone.normal * (deepest / spacing_mm);
+        deepest = -to_cone.distance_mm;
+        normal = to_cone.normal;
       }
-      if (is_in) found[n].push_back({Slot(b * kBrickVoxels + std::size_t(offset)), out, deepest});
+      if (!is_in) return;
+      const Vec3d out = normal * (deepest / spacing_mm - kSkinVoxels);
+      found[n].push_back({Slot(b * kBrickVoxels + std::size_t(offset)), out, deepest});
     });
   });
   std::vector<Entered> all;
@@ -173,13 +200,8 @@ void Vitreous::Impl::push_out(const std::vector<Entered>& list) {
       side.push_back({element.slot, body.q[c].at(element.slot) + by});
     }
   }
-  pusher->push(std::move(asks));
-  follow_boxes();
-}
-
-void Vitreous::Impl::follow_boxes() {
-  const std::vector<SlotSet::Brick> changes = pusher->changes();
-  parallel_for(changes.size(), Grain{4}, [&](std::size_t n) { find_ball(changes[n].brick); });
+  const std::vector<std::size_t> touched = pusher->push(std::move(asks));
+  parallel_for(touched.size(), Grain{8}, [&](std::size_t n) { find_ball(touched[n]); });
 }
 
 void Vitreous::Impl::cut_links(Slot slot) {
@@ -237,14 +259,15 @@ VitreousReport Vitreous::step(const std::vector<ToolMotion>& tools,
   }
   const int substeps = std::clamp(int(std::ceil(way / kWay)), 1, kMostSubsteps);
   std::vector<Entered> list;
-  for (int n = 1; n <= substeps - 1 + kRounds; ++n) {
+  for (int n = 1; n <= substeps; ++n) {
     std::vector<RoundCone> cones;
     for (const MovingPart& part : parts) {
-      cones.push_back(between(part.from, part.to, std::min(1.0, double(n) / substeps)));
+      cones.push_back(between(part.from, part.to, double(n) / substeps));
     }
     list = impl.entered(cones);
-    if (!list.empty()) impl.push_out(list);
-    if (n == substeps - 1 + kRounds && !list.empty()) list = impl.entered(cones);
+    if (list.empty()) continue;
+    impl.push_out(list);
+    if (n == substeps) list = impl.entered(cones);
   }
 
   VitreousReport report;
