@@ -9,16 +9,22 @@
 
 namespace supple {
 
-/// Something that happened in a step. Kinds: touch (an instrument meets a surface), bleeding,
-/// link_broken, edge_torn, gripped, released, piece_lost, removed, task_begun, task_done, target_reached,
-/// target_lost.
+/// Something that happened in a step. Kinds, and what their value is:
+/// touch: an instrument presses a surface, in each step in which it does; N
+/// bleeding: a spot begins, once for each spot; mm² that it grows to
+/// link_broken: a membrane is freed; mm²
+/// edge_torn: a membrane tears; mm
+/// gripped, released: jaws take hold of a membrane or let go; nodes
+/// piece_lost: a torn-off piece vanishes; triangles
+/// removed: a port takes vitreous; voxels
+/// task_begun, task_done, target_reached, target_lost: of ScoreKeeper; the target's number from 1
 struct OperationEvent {
   double time_s = 0;
   std::string kind;
   std::string instrument;  // empty: none
   std::string at;          // obstacle, membrane, task
   Vec3d place_mm{0, 0, 0};
-  double value = 0;  // N of a touch, mm² of links, mm of edges, voxels, nodes
+  double value = 0;
 };
 
 struct InstrumentSample {
@@ -27,15 +33,21 @@ struct InstrumentSample {
   double force_n = 0;    // of all touches
 };
 
+struct MembraneSample {
+  std::string body;
+  double clinging_mm2 = 0;
+};
+
 struct OperationSample {
   double time_s = 0;
   std::vector<InstrumentSample> instruments;
   std::vector<OperationEvent> events;
-  Vec3d turn_degrees{0, 0, 0};    // of the eye, about x, y and z
-  Vec3d focus_mm{0, 0, 0};        // of the microscope
-  double zoom = 1;                // of the microscope
-  double clinging_mm2 = 0;        // of all membranes
-  double vitreous_left = 1;       // part
+  Vec3d turn_degrees{0, 0, 0};            // of the eye, about x, y and z
+  Vec3d focus_mm{0, 0, 0};                // of the microscope
+  double zoom = 1;                        // of the microscope
+  double clinging_mm2 = 0;                // of all membranes
+  double vitreous_left = 1;               // part
+  std::vector<MembraneSample> membranes;  // each, for tasks that name one
 };
 
 }  // namespace supple

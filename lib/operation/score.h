@@ -1,48 +1,91 @@
-// Tasks and scores of an operation, from its samples alone, so that a log replays to the same score.
-// Categories as in published studies of EyeSi; 100 points each, rules take points off.
+// Tasks and scores of an operation, from its samples alone, so that a log replays to the same
+// score. Categories as in published studies of EyeSi; 100 points each, rules take points off.
+//
+// Per step: OperationSample goes to ScoreKeeper::take(), which returns the events of tasks; these
+// join the sample's events, and OperationLog (operation_log.h) writes it.
 #pragma once
 
 #include <array>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "lib/operation/measure.h"
 #include "lib/operation/operation_sample.h"
-#include "volumes/base/fields.h"
+#include "lib/operation/score_rule.h"
+#include "lib/operation/task.h"
 #include "volumes/base/value.h"
 
 namespace supple {
 
-enum class ScoreCategory { tissue, efficiency, target, instruments, microscope };
+/// All that a score depends on beside the samples.
+struct OperationPlan {
+  std::vector<std::string> instruments;  // in the order of the samples
+  std::vector<std::string> places;       // obstacles and membranes that a rule may name
+  std::vector<TaskSetup> tasks;
+  std::vector<ScoreRule> rules = default_score_rules();
+  OperationSurroundings around;
+};
+/// Throws InputError: unknown keys, values that are not allowed.
+OperationPlan read_plan(Table& table);
+/// The table from which read_plan() reads the same.
+Value to_value(const OperationPlan& plan);
 
-enum class TaskKind { navigate, peel, vitrectomy };
-
-/// A ball in which a tip is to be held.
-struct TaskTarget {
-  Vec3d centre_mm;
-  double radius_mm = 0.5;
-  double hold_s = 1;
+struct RuleOutcome {
+  ScoreRule rule;
+  double measured = 0;
+  double taken = 0;  // points
 };
 
-struct TaskSetup {
+struct TaskOutcome {
   std::string name;
-  TaskKind kind = TaskKind::navigate;
-  std::string instrument;           // that does it
-  std::vector<TaskTarget> targets;  // of navigate
-  std::string body;                 // of peel
-  double part = 0.9;                // of peel and vitrectomy: to be freed or removed
+  double progress = 0;           // 0 to 1
+  std::optional<double> done_s;  // when, where it is done
 };
 
-/// Takes points off: per unit of what it measures beyond `allowed`, at most `most`.
-struct ScoreRule {
-  ScoreCategory category = ScoreCategory::tissue;
-  std::string measure;     // "touch_force", "touches", "bleeding", "path", "time", "jitter", ...
-  std::string instrument;  // empty: all
-  std::string at;          // obstacle; empty: all
-  double allowed = 0;
-  double points_per_unit = 1;
-  double most = 100;
+struct OperationScore {
+  std::array<double, kScoreCategories> points{};  // 0 to 100 by ScoreCategory
+  std::vector<RuleOutcome> rules;
+  std::vector<TaskOutcome> tasks;
+  double total() const;
+};
+/// The report for a teacher: points of each category, and for each rule what was measured, what is
+/// allowed, and the points that it took.
+Value to_value(const OperationScore& score);
+
+class ScoreKeeper {
+ public:
+  /// Throws InputError for names of a task or rule that the plan does not have.
+  explicit ScoreKeeper(const OperationPlan& plan);
+
+  /// Returns the events of tasks in this step. Events of tasks that the sample already has, as
+  /// those of a log, do not count. Throws InputError for a sample with other instruments than the
+  /// plan's, or of a time before the last one.
+  std::vector<OperationEvent> take(const OperationSample& sample);
+
+  const std::vector<TaskWatcher>& tasks() const { return m_tasks; }
+  /// The score of the steps so far.
+  OperationScore score() const;
+
+ private:
+  /// A rule, measured for each instrument that it looks at.
+  struct Measured {
+    ScoreRule rule;
+    std::vector<GatheredMeasure> parts;
+  };
+  /// Filters of one instrument's tip.
+  struct TipFilters {
+    SteadyTip steady;
+    TipTremor tremor;
+    Vec3d before_mm{0, 0, 0};
+  };
+  void add_rule(const OperationPlan& plan, const ScoreRule& rule, int lamp);
+  std::vector<TipMotion> move_tips(const OperationSample& sample, double dt_s);
+
+  std::vector<TaskWatcher> m_tasks;
+  std::vector<Measured> m_rules;
+  std::vector<TipFilters> m_tips;
+  std::optional<double> m_before_s;
 };
 
 }  // namespace supple
