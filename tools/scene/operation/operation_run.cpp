@@ -181,7 +181,7 @@ void OperationRun::run(Progress& progress) {
   progress.stage("operating");
   int frames = 0;
   for (int n = 0; n < count; ++n) {
-    report(&progress, double(n) / count);
+    supple::report(&progress, double(n) / count);
     in.step(n);
     in.draw_step(n, videos, frames);
     ++in.steps;
