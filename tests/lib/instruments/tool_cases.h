@@ -50,8 +50,8 @@ inline LensShape eye_lens() {
 inline TriangleMesh plate(const Vec3d& centre, const Vec3d& half) {
   TriangleMesh mesh;
   for (int n = 0; n < 8; ++n) {
-    mesh.vertices_lps_mm.push_back(
-        centre + half * Vec3d(n & 1 ? 1 : -1, n & 2 ? 1 : -1, n & 4 ? 1 : -1));
+    mesh.vertices_lps_mm.push_back(centre +
+                                   half * Vec3d(n & 1 ? 1 : -1, n & 2 ? 1 : -1, n & 4 ? 1 : -1));
   }
   mesh.triangles = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
                     {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
