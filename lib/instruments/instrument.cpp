@@ -82,7 +82,7 @@ void make_spatula(Instrument& tool, const InstrumentSetup& setup) {
   for (int n = 0; n < kFingers; ++n) {
     const double across = (n - kFingers / 2) * 2 * (2 * r - thin) / (kFingers - 1);
     const double back = thin + across * across / (4 * r);  // a round front edge
-    add_path(tool, {{{across, 0, back}, thin}, {{0.6 * across, 0, 9 * r}, 1.2 * thin}});
+    add_path(tool, {{{across, 0, back}, thin}, {{0.3 * across, 0, 9 * r}, 2 * thin}});
   }
   add_shaft(tool, setup, {{{0, 0, 9 * r}, r}});
 }

@@ -70,11 +70,12 @@ std::vector<AxisBall> balls_of(const Instrument& tool, int jaw) {
   return balls;
 }
 
-/// Slope of the path at a ball: that of the parabola through it and its neighbours.
+/// Slope of the path at a ball: that of the parabola through it and its neighbours, at the shaft's
+/// ends that of the shaft.
 Vec3d slope_at(const std::vector<AxisBall>& balls, std::size_t n) {
   const auto piece = [&](std::size_t k) { return balls[k + 1].centre_mm - balls[k].centre_mm; };
   if (n == 0) return piece(0).normalized();
-  if (n + 1 == balls.size()) return piece(n - 1).normalized();
+  if (n + 2 >= balls.size()) return piece(balls.size() - 2).normalized();
   const double before = piece(n - 1).length(), after = piece(n).length();
   return (piece(n - 1) * (after / before) + piece(n) * (before / after)) / (before + after);
 }

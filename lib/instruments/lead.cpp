@@ -31,6 +31,13 @@ double behind(const RoundCone& cone, const Vec3d& place_mm, const Vec3d& normal)
                    normal.dot(cone.b_mm - place_mm) - cone.b_radius_mm);
 }
 
+/// The ball at a part of the axis, as a round cone.
+RoundCone between_ends(const RoundCone& cone, double part) {
+  const Vec3d centre = cone.a_mm + (cone.b_mm - cone.a_mm) * part;
+  const double radius = cone.a_radius_mm + (cone.b_radius_mm - cone.a_radius_mm) * part;
+  return {centre, centre, radius, radius};
+}
+
 /// A pose, its parts and their distances, by obstacle and part.
 struct PlacedTool {
   InstrumentPose pose;
@@ -256,10 +263,12 @@ class Leader {
         if (m_now.rooms_mm[o * asked.size() + p] >= kTouchMm) continue;
         const RigidSurface& surface = m_obstacles[o].surface;
         const Approach here = approach(m_now.parts[p], surface);
-        const double inside = -approach(asked[p], surface).distance_mm;
-        // What a hand has led through a thin wall is beyond it, and still behind the wall's plane.
-        const double depth =
-            inside > 0 ? inside : behind(asked[p], here.place_mm, here.normal) - kTouchMm;
+        // What a hand has led through a thin wall is beyond it: the ball that touches tells how
+        // far.
+        const double t = nearest_part(here.place_mm, m_now.parts[p]);
+        const RoundCone ball = between_ends(asked[p], t);
+        const double depth = std::max(-approach(asked[p], surface).distance_mm,
+                                      behind(ball, here.place_mm, here.normal) - kTouchMm);
         if (depth <= deepest.asked_mm) continue;
         deepest.part = int(p);
         deepest.place_mm = here.place_mm;

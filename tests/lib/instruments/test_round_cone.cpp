@@ -65,5 +65,5 @@ TEST(PropertyRoundCone, FirstTouchIsThatOfDenseTimes) {
       EXPECT_GT(room(part), 0);
     }
   }
-  EXPECT_GT(touched, cases(200));
+  EXPECT_GT(touched, cases(80));
 }

@@ -178,7 +178,7 @@ TEST(FaultTracks, ErrorsNameFileLineAndColumn) {
   expect_parts(track_error("time_s,tipx\n"), {"hand.csv:1", "'tipx'", "tip_x"});
   expect_parts(track_error("time_s,time_s\n"), {"hand.csv:1", "time_s twice"});
   expect_parts(track_error(head + "0,1,2,3,0,0,1\n1,1,x,3,0,0,1\n"),
-               {"hand.csv:3", "tip_y", "'x'"});
+               {"hand.csv:3", "tip_y", "found x"});
   expect_parts(track_error(head + "0,1,2,3,0,0\n"), {"hand.csv:2", "6", "7"});
   expect_parts(track_error(head + "0,1,nan,3,0,0,1\n"), {"hand.csv:2", "tip_y"});
   expect_parts(track_error(head + "0,1,2,3,0,0,0\n"), {"hand.csv:2", "axis_x"});
