@@ -44,7 +44,7 @@ double brute_room(const Instrument& tool, const InstrumentPose& pose,
 
 /// Ways of a hand: most of them short, some much too fast.
 InstrumentPose next_asked(std::mt19937& random, const InstrumentPose& now, double reach_mm) {
-  const double way = random() % 50 == 0 ? 20 : random_number(random, 0, 0.6);
+  const double way = random() % 200 == 0 ? 20 : random_number(random, 0, 0.6);
   InstrumentPose asked = now;
   asked.tip_mm += random_direction(random) * way;
   if (asked.tip_mm.length() > reach_mm) asked.tip_mm *= 0.7;
@@ -179,6 +179,19 @@ TEST(PropertyToolContact, NothingTunnelsThroughAThinPlateAtTenTimesTheSpeed) {
                   stopped.touches[0].asked_mm * kMPerMm * tool.stiffness_n_m, 1e-12);
       EXPECT_GT(stopped.touches[0].normal.z, 0.999);
     }
+  }
+}
+
+TEST(PropertyToolContact, NothingPassesAThinBladeThatItIsBesideBeforeAndAfter) {
+  const std::vector<Obstacle> blade = {{"blade", mesh_of(plate({0, 0, 0}, {0.01, 5, 3}))}};
+  for (const InstrumentKind kind : kInstrumentKinds) {
+    const StoppedTool stopped =
+        lead(instrument_of(kind), pose_at({-3, 0, -1}), pose_at({17, 0, -1}), blade);
+    EXPECT_LT(stopped.pose.tip_mm.x, 0);
+    EXPECT_GT(stopped.pose.tip_mm.x, -1);
+    ASSERT_EQ(stopped.touches.size(), 1u);
+    EXPECT_GT(stopped.touches[0].asked_mm, 16.9);
+    EXPECT_LT(stopped.touches[0].normal.x, -0.99);
   }
 }
 
