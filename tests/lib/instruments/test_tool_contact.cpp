@@ -124,20 +124,20 @@ TEST(PropertyToolContact, NoInstrumentEntersGlobeOrLensInRandomMotions) {
   for (const InstrumentKind kind : kInstrumentKinds) {
     const Instrument tool = instrument_of(kind);
     InstrumentPose pose = free_pose(random, tool, eye);
-    for (int n = 0; n < cases(12000); ++n) {
+    for (int n = 0; n < cases(8500); ++n) {
       const InstrumentPose asked = next_asked(random, pose, 12);
       const StoppedTool stopped = lead(tool, pose, asked, eye, &gate);
       pose = stopped.pose;
       touches += stopped.touches.empty() ? 0 : 1;
       deepest = std::min(deepest, least_room(tool, pose, eye));
-      if (n % 4 == 0) deepest_ball = std::min(deepest_ball, brute_room(tool, pose, eye));
+      if (n % 16 == 0) deepest_ball = std::min(deepest_ball, brute_room(tool, pose, eye));
       off_pivot = std::max(off_pivot, (gate - pose.tip_mm).cross(pose.axis).length());
     }
   }
   EXPECT_GE(deepest, -1e-6);
   EXPECT_GE(deepest_ball, -1e-6);
   EXPECT_LT(off_pivot, 1e-9);
-  EXPECT_GT(touches, cases(5000));
+  EXPECT_GT(touches, cases(2000));
 }
 
 TEST(PropertyToolContact, NoInstrumentEntersBallsAndPlanesInRandomMotions) {
@@ -150,12 +150,12 @@ TEST(PropertyToolContact, NoInstrumentEntersBallsAndPlanesInRandomMotions) {
   for (const InstrumentKind kind : kInstrumentKinds) {
     const Instrument tool = instrument_of(kind);
     InstrumentPose pose = free_pose(random, tool, solids);
-    for (int n = 0; n < cases(6000); ++n) {
+    for (int n = 0; n < cases(8500); ++n) {
       const StoppedTool stopped = lead(tool, pose, next_asked(random, pose, 8), solids);
       pose = stopped.pose;
       touches += stopped.touches.empty() ? 0 : 1;
       deepest = std::min(deepest, least_room(tool, pose, solids));
-      if (n % 4 == 0) deepest = std::min(deepest, brute_room(tool, pose, solids));
+      if (n % 16 == 0) deepest = std::min(deepest, brute_room(tool, pose, solids));
     }
   }
   EXPECT_GE(deepest, -1e-6);
