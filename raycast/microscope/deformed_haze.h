@@ -19,12 +19,12 @@
 namespace supple {
 
 struct HazeLook {
-  double extinction_per_mm = 0.12;  // of the largest density
+  double extinction_per_mm = 0.35;  // of the largest density
   double largest_density = 255;
   std::array<double, 3> rgb{0.93, 0.96, 1.0};  // part of light that is scattered
   double ambient = 0.03;
-  double lamp = 1.0;         // light of the lamp, beside its power
-  double half_mm = 8;        // distance at which it has halved
+  double lamp = 4.0;         // light of the lamp, beside its power
+  double half_mm = 10;       // distance at which it has halved
   double step_voxels = 1.0;  // between samples, at most
 };
 

@@ -72,10 +72,13 @@ HazeNodes::HazeNodes(const Vec3i& dims, const DensityGrid& density, double large
   const Vec3i& bricks = m_tables.brick_dims;
   m_tables.bricks.assign(std::size_t(bricks.x * bricks.y * bricks.z), 0);
 
+  m_eighths = (dims.z + kBrickDim - 1) / kBrickDim;
+  m_own.assign(std::size_t(dims.x) * std::size_t(dims.y) * std::size_t(m_eighths), 0);
   const IndexBox box{Vec3i(0), dims - Vec3i(1)};
   for_each_voxel(density.bricks(), [&](const Vec3i& voxel) {
     if (!box.contains(voxel)) return;
     m_tables.offsets[m_tables.node(voxel.x, voxel.y, voxel.z)] = kRest | kKnown;
+    own_row(voxel.x, voxel.y, voxel.z / kBrickDim) |= std::uint8_t(1 << voxel.z % kBrickDim);
     const double part = std::clamp(double(density.at(voxel)) / largest, 0.0, 1.0);
     set_density(voxel, std::uint32_t(std::lround(255 * part)));
   });
@@ -94,6 +97,21 @@ HazeNodes::Range HazeNodes::nodes_of(const Vec3i& origin) const {
   return range;
 }
 
+std::uint8_t& HazeNodes::own_row(int x, int y, int z_eighth) {
+  return m_own[(std::size_t(x) * std::size_t(m_tables.dims.y) + std::size_t(y)) *
+                   std::size_t(m_eighths) +
+               std::size_t(z_eighth)];
+}
+
+/// The same, 0 outside of the box.
+std::uint8_t HazeNodes::own_in(int x, int y, int z_eighth) const {
+  const Vec3i last(m_tables.dims.x - 1, m_tables.dims.y - 1, m_eighths - 1);
+  if (!IndexBox{Vec3i(0), last}.contains({x, y, z_eighth})) return 0;
+  return m_own[(std::size_t(x) * std::size_t(m_tables.dims.y) + std::size_t(y)) *
+                   std::size_t(m_eighths) +
+               std::size_t(z_eighth)];
+}
+
 void HazeNodes::set_density(const Vec3i& voxel, std::uint32_t density) {
   for (int n = 0; n < 4; ++n) {
     const int y = voxel.y - (n >> 1), z = voxel.z - (n & 1);
@@ -105,11 +123,17 @@ void HazeNodes::set_density(const Vec3i& voxel, std::uint32_t density) {
 
 void HazeNodes::take_offsets(const Vec3i& origin, const VectorBrickView& view) {
   const Range range = nodes_of(origin);
-  for_each_node(range.lo, range.hi, [&](const Vec3i& node) {
-    const int offset = brick_offset(node);
-    const bool is_known = view.mask != nullptr && mask_test(*view.mask, offset);
-    m_tables.offsets[m_tables.node(node.x, node.y, node.z)] =
-        is_known ? pack(view.vectors[offset], kKnown) : kRest | kUnknown;
+  if (range.lo.z >= range.hi.z) return;
+  for_each_node(range.lo, {range.hi.x, range.hi.y, range.lo.z + 1}, [&](const Vec3i& row) {
+    std::uint8_t own = 0;
+    for (int z = row.z; z < range.hi.z; ++z) {
+      const int offset = brick_offset({row.x, row.y, z});
+      const bool is_known = view.mask != nullptr && mask_test(*view.mask, offset);
+      std::uint32_t& packed = m_tables.offsets[m_tables.node(row.x, row.y, z)];
+      packed = is_known ? pack(view.vectors[offset], kKnown) : kRest | kUnknown;
+      if (is_own(packed)) own |= std::uint8_t(1 << z % kBrickDim);
+    }
+    own_row(row.x, row.y, row.z / kBrickDim) = own;
   });
 }
 
@@ -131,9 +155,23 @@ std::uint32_t HazeNodes::mean_around(const Vec3i& node) const {
 /// Gives nodes without an offset that of the known ones around them, of which none is changed.
 void HazeNodes::extend_offsets(const Vec3i& origin) {
   const Range range = nodes_of(origin);
-  for_each_node(range.lo, range.hi, [&](const Vec3i& node) {
-    const std::size_t n = m_tables.node(node.x, node.y, node.z);
-    if (!is_own(m_tables.offsets[n])) m_tables.offsets[n] = mean_around(node);
+  if (range.lo.z >= range.hi.z) return;
+  const int eighth = range.lo.z / kBrickDim;
+  for_each_node(range.lo, {range.hi.x, range.hi.y, range.lo.z + 1}, [&](const Vec3i& row) {
+    const std::uint32_t own = own_in(row.x, row.y, eighth);
+    std::uint32_t near = 0;
+    for (int n = 0; n < 9; ++n) {
+      const int x = row.x + n / 3 - 1, y = row.y + n % 3 - 1;
+      const std::uint32_t here = own_in(x, y, eighth);
+      near |= here | here << 1 | here >> 1 | std::uint32_t(own_in(x, y, eighth - 1)) >> 7 |
+              (own_in(x, y, eighth + 1) & 1u) << 7;
+    }
+    for (int z = row.z; z < range.hi.z; ++z) {
+      const std::uint32_t bit = 1u << z % kBrickDim;
+      if ((own & bit) != 0) continue;
+      m_tables.offsets[m_tables.node(row.x, row.y, z)] =
+          (near & bit) != 0 ? mean_around({row.x, row.y, z}) : kRest | kUnknown;
+    }
   });
 }
 

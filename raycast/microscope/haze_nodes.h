@@ -30,9 +30,14 @@ class HazeNodes {
   void extend_offsets(const Vec3i& origin);
   void find_kind(const Vec3i& origin);
   std::uint32_t mean_around(const Vec3i& node) const;
+  std::uint8_t own_in(int x, int y, int z_eighth) const;
+  std::uint8_t& own_row(int x, int y, int z_eighth);
   void set_density(const Vec3i& voxel, std::uint32_t density);
 
   HazeTables m_tables;
+  int m_eighths = 0;  // of rows along z
+  /// Nodes with an offset by the inversion: bit z % 8 of byte z / 8 of the rows in x and y.
+  std::vector<std::uint8_t> m_own;
 };
 
 }  // namespace supple
