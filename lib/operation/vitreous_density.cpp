@@ -8,7 +8,7 @@ namespace supple {
 
 namespace {
 
-constexpr float kGel = 6, kBase = 40;      // density of the gel, and more of it at the base
+constexpr float kGel = 6, kBase = 40;        // density of the gel, and more of it at the base
 constexpr float kFibril = 150, kClot = 210;  // at their middle
 constexpr int kFibrils = 70, kClots = 14;
 constexpr double kBaseHeight = 0.55;  // of the base, in radii above the middle
