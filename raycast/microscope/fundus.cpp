@@ -79,7 +79,7 @@ Rgb background(const SmoothNoise& noise, double x, double y, double from_fovea) 
   const double grain = noise.at(x * 7, y * 7, 2) - 0.5;
   const double warp = 2.2 * noise.at(x * 0.35 + 40, y * 0.35, 2);
   const double ridge = std::abs(2 * noise.at(x * 0.8 + warp, y * 0.8 - warp, 3) - 1);
-  const double choroid = (1 - smooth_step(0.02, 0.22, ridge)) * (0.06 + 0.16 * outer);
+  const double choroid = (1 - smooth_step(0.0, 0.45, ridge)) * (0.03 + 0.10 * outer);
   const double dark = 0.10 - 0.20 * mottle - 0.05 * grain;
   colour = dimmed(colour, {dark * 0.5, dark, dark});
   colour = blend(colour, {226, 122, 70}, choroid);

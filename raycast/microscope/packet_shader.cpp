@@ -152,7 +152,7 @@ void add_layer(const PacketLight& light, const LaneFloats& passing, const Packet
     layers.clear[lane] *= 1 - light.opacity[lane];
     layers.reached_mm[lane] = distance[lane];
     const auto shape = std::uint32_t(is_hit ? hits.shape[lane] + 2 : 1);
-    const auto level = std::uint32_t(is_hard ? std::lround(part * 4) : 0);
+    const auto level = std::uint32_t(is_hard ? int(part * 4 + 0.5f) : 0);
     picture.key[lane] = (picture.key[lane] * 257 + shape) * 8 + level;
     layers.rays.near[lane] = distance[lane] + kNextLayerMm;
     if (is_hit && layers.clear[lane] > 0.004f) open |= 1u << lane;

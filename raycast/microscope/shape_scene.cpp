@@ -54,20 +54,22 @@ void dim_light(const RTCFilterFunctionNArguments* hit) {
 /// The rays from `first` on, for Embree's packets of 8 or 16.
 template <int count, class Packet>
 void fill(const PacketRays& rays, int first, int* valid, Packet& packet) {
+  const auto copy = [&](const LaneFloats& from, float* to) {
+    std::memcpy(to, from.of + first, count * sizeof(float));
+  };
+  copy(rays.origin.x, packet.org_x);
+  copy(rays.origin.y, packet.org_y);
+  copy(rays.origin.z, packet.org_z);
+  copy(rays.direction.x, packet.dir_x);
+  copy(rays.direction.y, packet.dir_y);
+  copy(rays.direction.z, packet.dir_z);
+  copy(rays.near, packet.tnear);
+  copy(rays.far, packet.tfar);
   for (int n = 0; n < count; ++n) {
-    const int lane = first + n;
-    valid[n] = (rays.active >> lane & 1) != 0 ? -1 : 0;
-    packet.org_x[n] = rays.origin.x[lane];
-    packet.org_y[n] = rays.origin.y[lane];
-    packet.org_z[n] = rays.origin.z[lane];
-    packet.dir_x[n] = rays.direction.x[lane];
-    packet.dir_y[n] = rays.direction.y[lane];
-    packet.dir_z[n] = rays.direction.z[lane];
-    packet.tnear[n] = rays.near[lane];
-    packet.tfar[n] = rays.far[lane];
+    valid[n] = (rays.active >> (first + n) & 1) != 0 ? -1 : 0;
     packet.time[n] = 0;
     packet.mask[n] = 0xffffffffu;
-    packet.id[n] = unsigned(lane);
+    packet.id[n] = unsigned(first + n);
     packet.flags[n] = 0;
   }
 }
@@ -113,8 +115,7 @@ void passing_of(const PacketRays& rays, int first, const Trace& trace, LaneFloat
   for (int n = 0; n < count; ++n) {
     const int lane = first + n;
     const bool is_blocked = valid[n] != 0 && packet.tfar[n] < 0;
-    const float dimmed =
-        steps[lane] == 0 ? 1.0f : float(std::exp2(-double(steps[lane]) / kDimSteps));
+    const float dimmed = steps[lane] == 0 ? 1 : std::exp2(-float(steps[lane]) / float(kDimSteps));
     part[lane] = is_blocked ? 0.0f : dimmed;
   }
 }

@@ -116,7 +116,7 @@ void VesselPainter::grow(Vessel vessel) {
   const double step = 0.4 / m_maps.texels_per_mm;
   const double wave = between(1.6, 3.4), phase = between(0, 2 * kPi);
   const double swing = (vessel.is_artery ? 0.22 : 0.38) * between(0.6, 1.2);
-  double way = 0, next_branch = between(0.7, 1.6);
+  double way = 0, next_branch = vessel.level == 0 ? between(1.3, 2.2) : between(0.8, 1.8);
   double side = between(0, 1) < 0.5 ? 1 : -1;
   const double longest = vessel.level == 0 ? 40 : between(2.5, 9) * std::pow(0.8, vessel.level);
   while (way < longest && vessel.radius_mm > kThinnestMm) {
@@ -134,7 +134,7 @@ void VesselPainter::grow(Vessel vessel) {
     }
     vessel.radius_mm *= 1 - (vessel.level == 0 ? 0.022 : 0.09) * step;
     if (way < next_branch || vessel.level + 1 >= kMostLevels) continue;
-    next_branch = way + between(0.6, 1.9) * (vessel.level == 0 ? 1 : 0.7);
+    next_branch = way + between(0.8, 2.1);
     side = -side;
     branch(vessel, side);
   }
@@ -157,8 +157,8 @@ constexpr Trunk kTrunks[] = {
 VesselMaps paint_vessels(int size, std::uint64_t seed) {
   VesselPainter painter(size, seed);
   for (const Trunk& trunk : kTrunks) {
-    const double from_x = 0.10 + painter.between(-0.05, 0.05);
-    const double from_y = (trunk.y > 0 ? 0.12 : -0.12) + painter.between(-0.04, 0.04);
+    const double from_x = 0.06 + 0.4 * trunk.x + painter.between(-0.03, 0.03);
+    const double from_y = 0.2 * trunk.y + painter.between(-0.06, 0.06);
     const double out_x = trunk.x + painter.between(-0.05, 0.05);
     Vessel vessel{RetinaPlan::kDiscX + from_x,
                   RetinaPlan::kDiscY + from_y,
