@@ -214,8 +214,11 @@ HWY_ATTR void lamp_light_impl(const LampFloats& lamp, const PacketPlaces& places
     // A thin sheet that is seen aslant hides more: its way through is longer.
     const VF way = hn::Div(floats(1), hn::Max(facing_eye, floats(0.12f)));
     const VF clear = hn::Max(hn::Sub(floats(1), opacity), floats(0));
-    const VF dense = hn::IfThenElse(hn::Gt(clear, floats(1e-4f)),
-                                    hn::Sub(floats(1), power_of(clear, way)), floats(1));
+    VF dense = floats(1);
+    const MF is_translucent = hn::Gt(clear, floats(1e-4f));
+    if (!hn::AllFalse(kFloats, is_translucent)) {
+      dense = hn::IfThenElse(is_translucent, hn::Sub(floats(1), power_of(clear, way)), floats(1));
+    }
     store(dense, at, light.opacity);
 
     // Light that falls on the back of a translucent sheet shines through it.
@@ -225,13 +228,16 @@ HWY_ATTR void lamp_light_impl(const LampFloats& lamp, const PacketPlaces& places
     VF lamp_part = floats(0), mirrored = floats(0);
     if (lamp.is_on) {
       const VF shine = irradiance(lamp, to_lamp, inverse, square);
-      const FloatVector half = difference(towards, from_eye);
-      const VF lobe = positive(hn::Mul(dot(normal, half), inverse_length(half)));
-      const VF exponent = load(places.shininess, at);
-      const VF norm = hn::MulAdd(exponent, floats(0.125f), floats(1));
-      const VF strength = hn::Mul(hn::Mul(load(places.specular, at), norm), positive(cosine));
       lamp_part = hn::Mul(shine, faced);
-      mirrored = hn::Mul(hn::Mul(shine, strength), power_of(lobe, exponent));
+      const VF specular = load(places.specular, at);
+      if (!hn::AllTrue(kFloats, hn::Eq(specular, floats(0)))) {
+        const FloatVector half = difference(towards, from_eye);
+        const VF lobe = positive(hn::Mul(dot(normal, half), inverse_length(half)));
+        const VF exponent = load(places.shininess, at);
+        const VF norm = hn::MulAdd(exponent, floats(0.125f), floats(1));
+        const VF strength = hn::Mul(hn::Mul(specular, norm), positive(cosine));
+        mirrored = hn::Mul(hn::Mul(shine, strength), power_of(lobe, exponent));
+      }
       light.reached |=
           bits_of(hn::RebindMask(kInts, hn::Gt(hn::Add(lamp_part, mirrored), floats(1e-5f)))) << at;
     }
