@@ -12,7 +12,7 @@ namespace supple {
 
 namespace {
 
-using Rgb = std::array<double, 3>;  // of 255, as a photograph has it
+using PhotoRgb = std::array<double, 3>;  // of 255, as a photograph has it
 
 constexpr int kLeastTexels = 16, kMostTexels = 8192;
 
@@ -63,18 +63,18 @@ double bell(double x, double width) {
   return std::exp(-(x / width) * (x / width));
 }
 
-Rgb blend(const Rgb& a, const Rgb& b, double t) {
+PhotoRgb blend(const PhotoRgb& a, const PhotoRgb& b, double t) {
   return {a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t};
 }
 
-Rgb dimmed(const Rgb& a, const Rgb& by) {
+PhotoRgb dimmed(const PhotoRgb& a, const PhotoRgb& by) {
   return {a[0] * (1 - by[0]), a[1] * (1 - by[1]), a[2] * (1 - by[2])};
 }
 
 /// Pigment and choroid: orange-red, mottled, with choroidal vessels shining through further out.
-Rgb background(const SmoothNoise& noise, double x, double y, double from_fovea) {
+PhotoRgb background(const SmoothNoise& noise, double x, double y, double from_fovea) {
   const double outer = smooth_step(4, 19, from_fovea);
-  Rgb colour = blend({214, 104, 54}, {186, 80, 44}, outer);
+  PhotoRgb colour = blend({214, 104, 54}, {186, 80, 44}, outer);
   const double mottle = noise.at(x * 0.45, y * 0.45, 4) - 0.5;
   const double grain = noise.at(x * 7, y * 7, 2) - 0.5;
   const double warp = 2.2 * noise.at(x * 0.35 + 40, y * 0.35, 2);
@@ -92,31 +92,31 @@ Rgb background(const SmoothNoise& noise, double x, double y, double from_fovea) 
 }
 
 /// Fibres of nerve around the disc: a pale sheen in fine streaks.
-Rgb nerve_fibres(const SmoothNoise& noise, const Rgb& colour, double from_x, double from_y,
-                 double from_disc) {
+PhotoRgb nerve_fibres(const SmoothNoise& noise, const PhotoRgb& colour, double from_x,
+                      double from_y, double from_disc) {
   const double angle = std::atan2(from_y, from_x);
   const double streaks = noise.at(30 * std::cos(angle), 30 * std::sin(angle) + from_disc * 0.4, 2);
   const double sheen = bell(from_disc - 0.9, 1.9) * (0.25 + 0.75 * std::abs(std::sin(angle)));
   return blend(colour, {236, 168, 112}, 0.30 * sheen * (0.35 + streaks));
 }
 
-Rgb optic_disc(const Rgb& colour, double from_x, double from_y) {
+PhotoRgb optic_disc(const PhotoRgb& colour, double from_x, double from_y) {
   const double away = std::hypot(from_x * 1.08, from_y * 0.98);
   const double rim = RetinaPlan::kDiscRadius;
   const double cup = std::hypot(from_x + 0.10, from_y);
-  Rgb around = dimmed(colour, {0.16 * bell(away - rim, 0.12), 0.22 * bell(away - rim, 0.12),
-                               0.22 * bell(away - rim, 0.12)});
-  Rgb disc = blend({243, 176, 118}, {250, 208, 150}, smooth_step(rim, 0.45, away));
+  PhotoRgb around = dimmed(colour, {0.16 * bell(away - rim, 0.12), 0.22 * bell(away - rim, 0.12),
+                                    0.22 * bell(away - rim, 0.12)});
+  PhotoRgb disc = blend({243, 176, 118}, {250, 208, 150}, smooth_step(rim, 0.45, away));
   disc = blend(disc, {255, 236, 200}, smooth_step(0.46, 0.30, cup));
   return blend(around, disc, smooth_step(rim + 0.07, rim - 0.07, away));
 }
 
-Rgb fundus_colour(const SmoothNoise& noise, const VesselMaps& vessels, double x, double y,
-                  std::size_t texel) {
+PhotoRgb fundus_colour(const SmoothNoise& noise, const VesselMaps& vessels, double x, double y,
+                       std::size_t texel) {
   const double from_fovea = std::hypot(x - RetinaPlan::kFoveaX, y - RetinaPlan::kFoveaY);
   const double disc_x = x - RetinaPlan::kDiscX, disc_y = y - RetinaPlan::kDiscY;
   const double from_disc = std::hypot(disc_x, disc_y);
-  Rgb colour = background(noise, x, y, from_fovea);
+  PhotoRgb colour = background(noise, x, y, from_fovea);
   if (from_disc < 8) colour = nerve_fibres(noise, colour, disc_x, disc_y, from_disc);
   if (from_disc < 2) colour = optic_disc(colour, disc_x, disc_y);
   colour = blend(colour, {124, 26, 20}, 0.80 * vessels.veins[texel]);
@@ -141,7 +141,7 @@ TextureImage make_fundus(int size, std::uint64_t seed) {
       const double x = (column + 0.5 - size / 2.0) / vessels.texels_per_mm;
       const double y = (size / 2.0 - row - 0.5) / vessels.texels_per_mm;
       const std::size_t texel = std::size_t(row) * size + column;
-      const Rgb colour = fundus_colour(noise, vessels, x, y, texel);
+      const PhotoRgb colour = fundus_colour(noise, vessels, x, y, texel);
       for (std::size_t c = 0; c < 3; ++c) {
         image.texels[texel][c] = std::uint8_t(std::lround(std::clamp(colour[c], 0.0, 255.0)));
       }

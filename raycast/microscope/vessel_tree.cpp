@@ -80,7 +80,8 @@ void VesselPainter::stamp(const Vessel& vessel) {
 
 /// The direction in which a vessel wants to go.
 double wanted_heading(const Vessel& vessel) {
-  const double from_disc_x = vessel.x - RetinaPlan::kDiscX, from_disc_y = vessel.y;
+  const double from_disc_x = vessel.x - RetinaPlan::kDiscX,
+               from_disc_y = vessel.y - RetinaPlan::kDiscY;
   const double from_fovea_x = vessel.x - RetinaPlan::kFoveaX;
   const double from_fovea_y = vessel.y - RetinaPlan::kFoveaY;
   switch (vessel.course) {
@@ -141,15 +142,15 @@ void VesselPainter::grow(Vessel vessel) {
 }
 
 struct Trunk {
-  double x, y;  // where it leaves the disc, mm from its middle
+  double x, y;  // where it begins to turn, mm from the disc's middle
   double radius_mm;
   bool is_artery;
 };
 
 constexpr Trunk kTrunks[] = {
-    {-0.16, 0.80, 0.094, false}, {-0.13, -0.80, 0.096, false}, {0.28, 0.74, 0.070, false},
-    {0.30, -0.72, 0.068, false}, {-0.30, 0.78, 0.066, true},   {-0.27, -0.80, 0.067, true},
-    {0.44, 0.62, 0.050, true},   {0.46, -0.60, 0.050, true},
+    {-0.62, 1.55, 0.094, false}, {-0.58, -1.55, 0.096, false}, {0.55, 1.35, 0.070, false},
+    {0.60, -1.30, 0.068, false}, {-0.88, 1.50, 0.066, true},   {-0.84, -1.50, 0.067, true},
+    {0.95, 1.10, 0.050, true},   {1.00, -1.05, 0.050, true},
 };
 
 }  // namespace
@@ -157,8 +158,8 @@ constexpr Trunk kTrunks[] = {
 VesselMaps paint_vessels(int size, std::uint64_t seed) {
   VesselPainter painter(size, seed);
   for (const Trunk& trunk : kTrunks) {
-    const double from_x = 0.06 + 0.4 * trunk.x + painter.between(-0.03, 0.03);
-    const double from_y = 0.2 * trunk.y + painter.between(-0.06, 0.06);
+    const double from_x = 0.06 + 0.14 * trunk.x + painter.between(-0.03, 0.03);
+    const double from_y = 0.1 * trunk.y + painter.between(-0.05, 0.05);
     const double out_x = trunk.x + painter.between(-0.05, 0.05);
     Vessel vessel{RetinaPlan::kDiscX + from_x,
                   RetinaPlan::kDiscY + from_y,
