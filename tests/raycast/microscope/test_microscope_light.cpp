@@ -156,6 +156,7 @@ TEST(PropertyMicroscopeLight, ABallHasHazeBeforeAndBehindIt) {
   const TaskBall ball{{0, 0, -3}, 1.5, {1, 1, 1}, 0.5};
   microscope.set_balls({ball});
   EvenHaze haze;
+  haze.colour = 0.9;
   MicroscopeSettings settings = small_picture();
   settings.ambient = 0.8;
   const Camera camera = eye_camera();
@@ -164,8 +165,8 @@ TEST(PropertyMicroscopeLight, ABallHasHazeBeforeAndBehindIt) {
   const double front = haze.opacity(200 + 3 - 1.5);  // the ball's nearest place
   const double whole = haze.opacity(211);
   const double rest = (whole - front) / (1 - front);
-  const double behind = 0.4 * rest + (1 - rest) * 0.8 * grey_albedo();
-  const double expected = 0.4 * front + (1 - front) * (0.5 + 0.5 * behind);
+  const double behind = 0.9 * rest + (1 - rest) * 0.8 * grey_albedo();
+  const double expected = 0.9 * front + (1 - front) * (0.5 + 0.5 * behind);
   EXPECT_NEAR(light_at(picture, 80, 60), expected, 0.02);
   const Image clear = microscope.draw(camera, settings);
   EXPECT_NEAR(light_at(clear, 80, 60), 0.5 + 0.5 * 0.8 * grey_albedo(), 0.02);
