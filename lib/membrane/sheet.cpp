@@ -11,6 +11,9 @@ namespace supple {
 
 namespace {
 
+/// Largest h^2 times stiffness per mass that one sweep solves.
+constexpr double kSolvedPerSweep = 2;
+
 [[noreturn]] void refuse(const std::string& found) {
   throw InputError(
       {"", "membrane", found, "a manifold with boundary whose triangles wind one way"});
@@ -112,7 +115,12 @@ void weigh(Sheet& sheet, int node, const MembraneParams& params) {
   double area = 0;
   for (const int t : sheet.triangles_at[node]) area += sheet.triangle_mm2[t] / 3;
   sheet.area_mm2[node] = area;
-  sheet.mass_kg[node] = params.density_kg_m2 * area * 1e-6;
+  // Twice the sum of a node's stiffnesses bounds what its row of the stiffness matrix has.
+  double stiffness = params.adhesion_j_m2 > 0 ? link_stiffness_n_m(params, area) : 0;
+  for (const int n : sheet.springs_at[node]) stiffness += 2 * sheet.springs[n].stiffness_n_m;
+  const double h = params.substep_s;
+  sheet.mass_kg[node] = std::max(params.density_kg_m2 * area * 1e-6,
+                                 h * h * stiffness / (kSolvedPerSweep * params.sweeps));
   sheet.mobility[node] = sheet.holder[node] >= 0 ? 0 : 1 / sheet.mass_kg[node];
 }
 

@@ -158,11 +158,16 @@ Crack crack_within(const NodeFan& fan, const std::vector<double>& angles, int lo
 }
 
 Crack crack_at(const Sheet& sheet, int node, int loaded) {
-  if (sheet.holder[node] >= 0) return {};
   const std::vector<NodeFan> fans = fans_of(sheet, node);
   const std::vector<double> angles = angles_of(sheet, node, fans[0]);
   return fans[0].is_closed ? crack_within(fans[0], angles, loaded)
                            : crack_of_rim(fans[0], angles, loaded);
+}
+
+/// Takes a node out of the forceps.
+void slip(Sheet& sheet, int node) {
+  sheet.holder[node] = -1;
+  sheet.mobility[node] = 1 / sheet.mass_kg[node];
 }
 
 struct Overload {
@@ -195,15 +200,22 @@ void tear(Sheet& sheet, const MembraneParams& params, double h, MembraneReport& 
     const auto [a, b] =
         LinkNodes{sheet.springs[overload.spring].a, sheet.springs[overload.spring].b};
     if (std::max(a, b) >= int(is_done.size()) || is_done[a] || is_done[b]) continue;
-    // A tear goes on from the rim, if one end lies there.
+    // A tear goes on from the rim, if one end lies there; a node in the forceps is the last to go.
     Crack at_a = crack_at(sheet, a, b), at_b = crack_at(sheet, b, a);
-    const bool takes_b = at_a.triangles.empty() ||
-                         (!at_b.triangles.empty() && at_b.along.size() < at_a.along.size());
+    const auto rank = [&](const Crack& crack, int node) {
+      return crack.triangles.empty() ? 8u : crack.along.size() + (sheet.holder[node] >= 0 ? 4 : 0);
+    };
+    const bool takes_b = rank(at_b, b) < rank(at_a, a);
     const Crack& crack = takes_b ? at_b : at_a;
-    if (crack.triangles.empty()) continue;
     const int node = takes_b ? b : a;
+    if (crack.triangles.empty()) {
+      slip(sheet, a);
+      slip(sheet, b);
+      continue;
+    }
     is_done[a] = is_done[b] = 1;
     const int opened = split(sheet, node, crack.triangles, params);
+    slip(sheet, sheet.node_count() - 1);  // the torn-off side leaves the forceps
     for (const int neighbour : crack.along) separate(sheet, neighbour, params);
     event.place_mm += sheet.body.pos_mm[node] * double(opened);
     event.count += opened;

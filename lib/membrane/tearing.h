@@ -10,7 +10,8 @@
 namespace supple {
 
 /// Tears where multipliers of a substep of `h` seconds pass the strength, the highest load first,
-/// at each node once. Gripped nodes do not split, nor nodes of one triangle. Adds an event.
+/// at each node once. The forceps keep one side of a node that splits there; where neither end of
+/// an edge can split, both slip out of them. Adds an event.
 void tear(Sheet& sheet, const MembraneParams& params, double h, MembraneReport& report);
 
 /// Removes torn-off pieces below the smallest area. Adds an event for each.
