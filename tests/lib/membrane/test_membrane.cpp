@@ -1,0 +1,267 @@
+// Laws of membranes on their own, under forceps and under blunt tools.
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/lib/membrane/sheets.h"
+#include "volumes/base/error.h"
+
+namespace supple::test {
+
+namespace {
+
+const TriangleMesh& small_sheet() {
+  static const TriangleMesh sheet = flat_sheet(12, 12, 0.2);
+  return sheet;
+}
+
+/// A tool of one ball.
+Instrument ball_tool(double radius_mm) {
+  Instrument tool;
+  tool.parts = {{RoundCone{Vec3d(0.0), Vec3d(0, 0, 1e-3), radius_mm, radius_mm}, 0}};
+  return tool;
+}
+
+MembraneParams loose_params() {
+  MembraneParams params;
+  params.adhesion_j_m2 = 0;
+  params.strength_n_m = 0;
+  return params;
+}
+
+/// A sheet that forceps have pulled up by a corner, with what clings around it.
+Membrane pulled_sheet(const MembraneParams& params, const Instrument& forceps,
+                      InstrumentPose& pose) {
+  Membrane membrane(small_sheet(), params, {plane_ground()}, "sheet");
+  for (int n = 0; n < 20; ++n) {
+    InstrumentPose next = pose;
+    next.opening_degrees = 0;
+    next.tip_mm += Vec3d(0.01, 0.005, 0.03);
+    membrane.step(0.02, motion(forceps, pose, next), {forceps});
+    pose = next;
+  }
+  return membrane;
+}
+
+}  // namespace
+
+TEST(UnitMembrane, RegularTrianglesHaveTheStiffnessOfTheSheet) {
+  // Strips of triangular lattice pulled along an edge direction: the energy of a strain is
+  // E t e^2 / 2 per area where sides may shrink by a third of it.
+  TriangleMesh sheet;
+  for (int j = 0; j <= 20; ++j) {
+    for (int i = 0; i <= 20; ++i) {
+      const int node = int(sheet.vertices_lps_mm.size());
+      sheet.vertices_lps_mm.push_back({i + 0.5 * j, std::sqrt(0.75) * j, 0});
+      if (i == 20 || j == 20) continue;
+      sheet.triangles.push_back({node, node + 1, node + 21});
+      sheet.triangles.push_back({node + 1, node + 22, node + 21});
+    }
+  }
+  const MembraneParams params = loose_params();
+  const Membrane membrane(sheet, params, {}, "sheet");
+  const MeshBody& body = membrane.body();
+  const double strain = 1e-4, width = std::sqrt(0.75) * 20, area = 20 * width;
+  // The springs' stiffnesses, taken from the body's own edges.
+  double energy_uj = 0;
+  for (const LinkNodes& link : body.links) {
+    const Vec3d edge = body.rest_mm[link[1]] - body.rest_mm[link[0]];
+    int beside = 0;
+    for (const TriangleNodes& t : body.triangles) {
+      beside +=
+          std::count(t.begin(), t.end(), link[0]) + std::count(t.begin(), t.end(), link[1]) == 2;
+    }
+    const double stretch = strain * (edge.x * edge.x - edge.y * edge.y / 3);
+    energy_uj += 0.5 * params.stiffness_n_m * beside * std::sqrt(3) / 4 * stretch * stretch;
+  }
+  EXPECT_NEAR(energy_uj, 0.5 * params.stiffness_n_m * strain * strain * area, 0.01 * energy_uj);
+}
+
+TEST(UnitMembrane, MeshesThatAreNoManifoldAreRefused) {
+  TriangleMesh bow_tie{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}},
+                       {{0, 1, 2}, {0, 3, 4}}};
+  EXPECT_THROW(Membrane(bow_tie, {}, {}, "m"), InputError);
+  TriangleMesh both_ways{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {1, 2, 3}}};
+  EXPECT_THROW(Membrane(both_ways, {}, {}, "m"), InputError);
+  TriangleMesh flat{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}};
+  EXPECT_THROW(Membrane(flat, {}, {}, "m"), InputError);
+  MembraneParams params;
+  params.sweeps = 1;
+  EXPECT_THROW(Membrane(small_sheet(), params, {}, "m"), InputError);
+  params = {};
+  params.stiffness_n_m = std::nan("");
+  EXPECT_THROW(Membrane(small_sheet(), params, {}, "m"), InputError);
+  EXPECT_THROW(Membrane(small_sheet(), {}, {}, "m").step(0.003, {}, {}), InputError);
+}
+
+TEST(UnitMembrane, SheetsOnSpheresHaveNearlyEqualTriangles) {
+  const TriangleMesh sheet = membrane_on_sphere({1, 2, 3}, 12, {0.3, -0.2, -1}, 5, 1500);
+  const Membrane membrane(sheet, {}, {}, "sheet");
+  EXPECT_EQ(fault_of(membrane.body()), "");
+  EXPECT_GE(sheet.vertices_lps_mm.size(), 1500u);
+  EXPECT_LT(sheet.vertices_lps_mm.size(), 1600u);
+  double shortest = HUGE_VAL, longest = 0;
+  for (const LinkNodes& link : membrane.body().links) {
+    const double length =
+        (sheet.vertices_lps_mm[link[1]] - sheet.vertices_lps_mm[link[0]]).length();
+    shortest = std::min(shortest, length);
+    longest = std::max(longest, length);
+  }
+  EXPECT_LT(longest, 1.05 * shortest);
+  for (const TriangleNodes& t : sheet.triangles) {
+    const Vec3d &a = sheet.vertices_lps_mm[t[0]], &b = sheet.vertices_lps_mm[t[1]];
+    EXPECT_NEAR((a - Vec3d(1, 2, 3)).length(), 12, 1e-9);
+    const Vec3d normal = (b - a).cross(sheet.vertices_lps_mm[t[2]] - a);
+    EXPECT_GT(normal.dot(Vec3d(1, 2, 3) - a), 0);
+  }
+}
+
+TEST(PropertyMembrane, ASheetAtRestKeepsItsShape) {
+  for (const auto model : {MembraneModel::springs, MembraneModel::ecm}) {
+    MembraneParams params;
+    params.model = model;
+    params.bending_n_m = 0.1;
+    Membrane membrane(small_sheet(), params, {plane_ground()}, "sheet");
+    const MeshBody before = membrane.body();
+    for (int n = 0; n < 50; ++n) membrane.step(0.02, {}, {});
+    for (std::size_t n = 0; n < before.node_count(); ++n) {
+      EXPECT_LT((membrane.body().pos_mm[n] - before.pos_mm[n]).length(), 1e-9);
+      EXPECT_EQ(membrane.body().rest_mm[n], before.rest_mm[n]);
+    }
+    EXPECT_NEAR(membrane.clinging_mm2(), 2.4 * 2.4, 1e-9);
+  }
+}
+
+TEST(PropertyMembrane, EnergyNeverGrowsWhereNothingDoesWork) {
+  for (const bool holds : {true, false}) {
+    for (const int sweeps : {2, 20}) {
+      MembraneParams params;
+      params.strength_n_m = 0;
+      params.adhesion_mm = 0.2;
+      params.sweeps = sweeps;
+      params.damping_per_s = 0;
+      const Instrument forceps = ball_forceps(0.3);
+      InstrumentPose pose = pose_at({0, 0, 0.02}, 10);
+      Membrane membrane = pulled_sheet(params, forceps, pose);
+      InstrumentPose open = pose;
+      open.opening_degrees = 10;
+      if (!holds) membrane.step(0.002, motion(forceps, pose, open), {forceps});
+      pose = holds ? pose : open;
+      double before = membrane.energy().total_j();
+      EXPECT_GT(before, 1e-10);
+      for (int n = 0; n < 200; ++n) {
+        membrane.step(0.002, motion(forceps, pose, pose), {forceps});
+        const double after = membrane.energy().total_j();
+        EXPECT_LE(after, before * (1 + 1e-6) + 1e-15) << holds << " " << sweeps << " " << n;
+        before = after;
+      }
+    }
+  }
+}
+
+TEST(PropertyMembrane, ReleasedSheetsGoBackToTheirShapeAtRest) {
+  const MembraneParams params = loose_params();
+  const Instrument forceps = ball_forceps(0.3);
+  Membrane membrane(small_sheet(), params, {}, "sheet");
+  InstrumentPose pose = pose_at({0, 0, 0}, 10);
+  for (int n = 0; n < 20; ++n) {
+    InstrumentPose next = pose;
+    next.opening_degrees = n < 15 ? 0 : 10;
+    next.tip_mm += Vec3d(-0.05, -0.03, 0.02);
+    membrane.step(0.02, motion(forceps, pose, next), {forceps});
+    pose = next;
+  }
+  for (int n = 0; n < 300; ++n) membrane.step(0.02, {}, {});
+  EXPECT_LT(membrane.energy().springs_j, 1e-12);
+  EXPECT_TRUE(membrane.gripped(0).empty());
+}
+
+TEST(PropertyMembrane, GrippedNodesGoWithTheForcepsUntilTheseOpen) {
+  const Instrument forceps = ball_forceps(0.3);
+  for (const auto model : {MembraneModel::springs, MembraneModel::ecm}) {
+    MembraneParams params;
+    params.model = model;
+    Membrane membrane(small_sheet(), params, {plane_ground()}, "sheet");
+    InstrumentPose open = pose_at({0, 0, 0.02}, 10), closed = open, lifted = open, ajar = open;
+    closed.opening_degrees = lifted.opening_degrees = 0;
+    lifted.tip_mm += Vec3d(0.1, 0, 0.2);
+    MembraneReport report = membrane.step(0.02, motion(forceps, open, closed), {forceps});
+    EXPECT_EQ(count_of(report, MembraneEvent::Kind::gripped), 4);
+    const std::vector<int> held = membrane.gripped(0);
+    ASSERT_EQ(held.size(), 4u);
+    report = membrane.step(0.02, motion(forceps, closed, lifted), {forceps});
+    for (const int node : held) {
+      const Vec3d wanted = membrane.body().rest_mm[node] + Vec3d(0.1, 0, 0.2);
+      EXPECT_LT((membrane.body().pos_mm[node] - wanted).length(), 1e-4);
+    }
+    EXPECT_LE(report.tool_forces_n[0].z, 0);
+    ajar.opening_degrees = 7;  // neither closes nor opens
+    EXPECT_TRUE(membrane.step(0.02, motion(forceps, lifted, ajar), {forceps}).events.empty() ||
+                membrane.gripped(0).size() == 4);
+    report = membrane.step(0.02, motion(forceps, ajar, open), {forceps});
+    EXPECT_EQ(count_of(report, MembraneEvent::Kind::released), 4);
+  }
+}
+
+TEST(PropertyMembrane, FastToolsDoNotPassThroughTheSheet) {
+  // A ball comes from above at up to 25 times its diameter per substep.
+  for (const double step_mm : {0.1, 1.0, 10.0, 100.0}) {
+    MembraneParams params = loose_params();
+    Membrane membrane(small_sheet(), params, {}, "sheet");
+    const Instrument tool = ball_tool(0.2);
+    InstrumentPose from = pose_at({1.2, 1.2, 0.35}, 0), to = from;
+    to.tip_mm.z -= step_mm;
+    const MembraneReport report = membrane.step(0.002, motion(tool, from, to), {tool});
+    EXPECT_EQ(report.contacts > 0, step_mm > 0.2);
+    for (const Vec3d& pos : membrane.body().pos_mm) {
+      // What the ball ran into is before it.
+      const bool is_before = std::hypot(pos.x - 1.2, pos.y - 1.2) < 0.15;
+      EXPECT_TRUE(!is_before || pos.z < to.tip_mm.z) << step_mm;
+    }
+    EXPECT_EQ(report.tool_forces_n[0].z > 0, step_mm > 0.2);
+  }
+}
+
+TEST(PropertyMembrane, NothingEntersTheGroundAndPinchedNodesAreCounted) {
+  const MembraneParams params;
+  Membrane membrane(small_sheet(), params, {plane_ground()}, "sheet");
+  const Instrument tool = ball_tool(0.3);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> part(0, 1);
+  InstrumentPose pose = pose_at({1.2, 1.2, 1}, 0);
+  int pinched = 0;
+  for (int n = 0; n < 100; ++n) {
+    InstrumentPose next = pose_at({2.4 * part(random), 2.4 * part(random), 0.6 * part(random)}, 0);
+    const MembraneReport report = membrane.step(0.02, motion(tool, pose, next), {tool});
+    pose = next;
+    pinched += report.pinched;
+    EXPECT_LE(report.pinched, report.contacts);
+    for (const Vec3d& pos : membrane.body().pos_mm) {
+      EXPECT_GE(pos.z, params.thickness_mm - 1e-9);
+      EXPECT_TRUE(is_finite(pos));
+    }
+  }
+  EXPECT_GT(pinched, 0);
+}
+
+TEST(PropertyMembrane, ModelsAreExchangedWhileForcepsPull) {
+  const Instrument forceps = ball_forceps(0.3);
+  InstrumentPose pose = pose_at({0, 0, 0.02}, 10);
+  Membrane membrane = pulled_sheet({}, forceps, pose);
+  double clings = membrane.clinging_mm2();
+  for (int n = 0; n < 40; ++n) {
+    membrane.take_model(n / 5 % 2 == 0 ? MembraneModel::ecm : MembraneModel::springs);
+    InstrumentPose next = pose;
+    next.tip_mm += Vec3d(0.01, 0.005, 0.02);
+    membrane.step(0.02, motion(forceps, pose, next), {forceps});
+    pose = next;
+    EXPECT_EQ(membrane.gripped(0).size(), 4u);
+    EXPECT_LE(membrane.clinging_mm2(), clings);
+    clings = membrane.clinging_mm2();
+    EXPECT_EQ(fault_of(membrane.body()), "");
+  }
+  EXPECT_LT(clings, 2.4 * 2.4 - 0.5);
+}
+
+}  // namespace supple::test
