@@ -41,7 +41,6 @@ struct SuctionPort {
 /// Light at the tip, which shines along -z.
 struct TipLamp {
   double cone_degrees = 0;  // half of the cone of light
-  double before_mm = 0;     // the source stands this far before the tip
 };
 
 struct Instrument {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/state/pose.h"
 #include "raycast/scene/stereo.h"
 #include "volumes/base/units.h"
 
@@ -55,6 +56,17 @@ Image beside(const Image& left, const Image& right) {
   return both;
 }
 
+/// The vitreous as pictures sample it, with all of its displacement that they have followed.
+struct OperationPicture::Haze {
+  DeformedHaze layer;
+  LiveDisplacement displacement;
+
+  explicit Haze(const Vitreous& vitreous)
+      : displacement(vitreous.geometry(), vitreous.body().elements, vitreous.body().elements) {
+    layer.set_body(vitreous.geometry(), vitreous.density());
+  }
+};
+
 OperationPicture::OperationPicture(const OperationScene& scene, const Operation& operation)
     : m_scene(scene) {
   if (const auto& eye = operation.setup().eye) {
@@ -70,9 +82,11 @@ OperationPicture::OperationPicture(const OperationScene& scene, const Operation&
     surface.opacity = look.opacity;
     surface.specular = 0.5;
     surface.shininess = 60;
+    surface.casts_shadow = false;
     surface.dims = 1 - 0.5 * look.opacity;
     m_soft.push_back(m_microscope.add_soft(surface));
   }
+  if (const Vitreous* vitreous = operation.vitreous()) m_haze = std::make_unique<Haze>(*vitreous);
   follow(operation, {});
 }
 
@@ -99,19 +113,27 @@ void OperationPicture::add_instruments(const Operation& operation) {
   }
 }
 
-void OperationPicture::follow_lamp(const Operation& operation) {
+LampLight OperationPicture::lamp_of(const Operation& operation) const {
   LampLight light;
   for (std::size_t n = 0; n < operation.instruments().size(); ++n) {
     const Instrument& instrument = operation.instruments()[n];
     const InstrumentPose& pose = operation.sample().instruments[n].pose;
     if (!instrument.lamp || pose.active <= 0) continue;
     light.is_on = true;
-    light.place_mm = pose.tip_mm - pose.axis * instrument.lamp->before_mm;
+    light.place_mm = pose.tip_mm;
     light.direction = -pose.axis;
     light.cone_degrees = instrument.lamp->cone_degrees;
     light.power = pose.active;
   }
-  m_microscope.set_lamp(light);
+  return light;
+}
+
+void OperationPicture::follow_vitreous(const Vitreous& vitreous) {
+  m_haze->layer.update(m_haze->displacement.displacement(),
+                       m_haze->displacement.update(vitreous.body().q));
+  std::vector<Vec3i> removed;
+  for (const Slot slot : vitreous.removed()) removed.push_back(voxel_of(vitreous.body(), slot));
+  m_haze->layer.remove(removed);
 }
 
 void OperationPicture::follow(const Operation& operation, const std::vector<TaskBall>& balls) {
@@ -132,7 +154,15 @@ void OperationPicture::follow(const Operation& operation, const std::vector<Task
   }
   m_microscope.set_spots(spots);
   m_microscope.set_balls(balls);
-  follow_lamp(operation);
+  const LampLight lamp = lamp_of(operation);
+  m_microscope.set_lamp(lamp);
+  if (!m_haze) return;
+  m_haze->layer.set_light(lamp);
+  follow_vitreous(*operation.vitreous());
+}
+
+HazeLayer* OperationPicture::layer() {
+  return m_haze ? &m_haze->layer : nullptr;
 }
 
 Camera OperationPicture::camera_of(const MicroscopeView& view, double time_s) const {
@@ -146,12 +176,12 @@ Camera OperationPicture::camera_of(const MicroscopeView& view, double time_s) co
 Microscope::Pair OperationPicture::draw_pair(const MicroscopeView& view, double time_s,
                                              MicroscopeTimes* times) {
   return m_microscope.draw_pair(camera_of(view, time_s), view.eye_separation_mm, view.settings(),
-                                nullptr, times);
+                                layer(), times);
 }
 
 Image OperationPicture::draw(const MicroscopeView& view, double time_s, MicroscopeTimes* times) {
   if (view.stereo == StereoKind::none) {
-    return m_microscope.draw(camera_of(view, time_s), view.settings(), nullptr, times);
+    return m_microscope.draw(camera_of(view, time_s), view.settings(), layer(), times);
   }
   const Microscope::Pair pair = draw_pair(view, time_s, times);
   if (view.stereo != StereoKind::anaglyph) return beside(pair.left, pair.right);

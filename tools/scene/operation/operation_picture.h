@@ -1,9 +1,11 @@
 // Pictures of an operation: its surfaces, lamp, blood and tasks under the microscope.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "lib/operation/operation.h"
+#include "raycast/microscope/deformed_haze.h"
 #include "raycast/microscope/microscope.h"
 #include "raycast/pictures/image.h"
 #include "tools/scene/operation/operation_scene.h"
@@ -34,12 +36,16 @@ class OperationPicture {
   };
   void add_instruments(const Operation& operation);
   void add_iris(const EyeSetup& eye);
-  void follow_lamp(const Operation& operation);
+  LampLight lamp_of(const Operation& operation) const;
+  void follow_vitreous(const Vitreous& vitreous);
+  HazeLayer* layer();
 
   const OperationScene& m_scene;
   Microscope m_microscope;
   std::vector<Placed> m_placed;
   std::vector<int> m_soft;  // per membrane
+  struct Haze;
+  std::unique_ptr<Haze> m_haze;  // of the vitreous, where there is one
   EyeTurn m_turn;
 };
 
