@@ -72,7 +72,7 @@ void make_vitrector(Instrument& tool, const InstrumentSetup& setup) {
 
 void make_lamp(Instrument& tool, const InstrumentSetup& setup) {
   add_blunt_shaft(tool, setup);
-  tool.lamp = TipLamp{setup.cone_degrees, 0.03};
+  tool.lamp = TipLamp{setup.cone_degrees};
 }
 
 /// A blade of fingers side by side, twice as wide as the shaft.

@@ -132,7 +132,7 @@ void OperationPicture::follow_vitreous(const Vitreous& vitreous) {
   m_haze->layer.update(m_haze->displacement.displacement(),
                        m_haze->displacement.update(vitreous.body().q));
   std::vector<Vec3i> removed;
-  for (const Slot slot : vitreous.removed()) removed.push_back(voxel_of(vitreous.body(), slot));
+  for (const Slot slot : vitreous.removed()) removed.push_back(voxel_of(vitreous.body().elements, slot));
   m_haze->layer.remove(removed);
 }
 
