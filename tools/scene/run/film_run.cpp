@@ -81,7 +81,7 @@ void SceneRun::make_frame(int frame, std::vector<std::unique_ptr<FilmView>>& vie
     if (same != nullptr && m_beside.count(frame - 1) != 0) {
       beside = {&m_beside.at(frame - 1), &m_beside.at(frame + 1)};
     }
-    views[n]->draw(drawn.subject, beside, frame, writer);
+    views[n]->draw(drawn.subject, drawn.view.meshes, beside, frame, writer);
   }
   write_outputs(pose, frame);
   pictures.commit();

@@ -176,8 +176,9 @@ class ViewDrawing {
     writer.finish();
   }
 
-  void draw_frame(const PosedVolume& subject, const NeighbourFrames& beside, int n,
-                  PictureWriter& writer) {
+  void draw_frame(const PosedVolume& subject, const std::vector<MeshChoice>& meshes,
+                  const NeighbourFrames& beside, int n, PictureWriter& writer) {
+    m_view.meshes = meshes;
     FloatImage picture = draw_posed(subject, frame_view(n));
     add_channels(picture, subject, beside, n);
     write_picture(picture, n, 1, writer);
@@ -339,10 +340,10 @@ FilmView::FilmView(const PosedVolume& first, const SceneView& view, const Film& 
 
 FilmView::~FilmView() = default;
 
-void FilmView::draw(const PosedVolume& subject, const NeighbourFrames& beside, int frame,
-                    PictureWriter& writer) {
+void FilmView::draw(const PosedVolume& subject, const std::vector<MeshChoice>& meshes,
+                    const NeighbourFrames& beside, int frame, PictureWriter& writer) {
   try {
-    m_drawing->draw_frame(subject, beside, frame, writer);
+    m_drawing->draw_frame(subject, meshes, beside, frame, writer);
   } catch (const InputError& error) {
     rethrow_at(m_place, error);
   }

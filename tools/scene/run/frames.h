@@ -32,9 +32,9 @@ class FilmView {
            Progress& progress);
   ~FilmView();
 
-  /// Throws as draw_view().
-  void draw(const PosedVolume& subject, const NeighbourFrames& beside, int frame,
-            PictureWriter& writer);
+  /// The meshes are those of this frame. Throws as draw_view().
+  void draw(const PosedVolume& subject, const std::vector<MeshChoice>& meshes,
+            const NeighbourFrames& beside, int frame, PictureWriter& writer);
 
  private:
   std::unique_ptr<ViewDrawing> m_drawing;
