@@ -157,7 +157,7 @@ def write(name, mesh):
 def main():
     scan = Scan(sys.argv[1])
     write("dura.obj", dura(scan))
-    spatula = sheet(rounded(75.0, 6.0, 30, 6.0), 1.0, lambda along: -0.006 * max(0.0, 45 - along) ** 2)
+    spatula = sheet(rounded(75.0, 6.0, 30, 6.0), 1.0, lambda along: 0.006 * max(0.0, 45 - along) ** 2)
     write("spatula.obj", placed(spatula, lps((103.0, 173.0, 31.0)), 4.0))
     plate = sheet(rounded(26.0, 9.5, 13, 9.0), 0.8, lambda along: 0.05 * max(0.0, along - 14))
     write("plate.obj", placed(plate, lps((103.0, 170.0, 31.2)), 1.0))
