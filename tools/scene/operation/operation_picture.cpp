@@ -12,29 +12,39 @@ namespace supple::tools {
 namespace {
 
 constexpr int kFundusTexels = 2048;
-constexpr double kIrisMm = 8;  // z of its plane
+constexpr double kIrisPart = 0.72;  // z of its plane, of the globe's radius
+
+/// Place of a surface of revolution.
+struct ProfilePoint {
+  double radius_mm, z_mm;
+};
 
 RigidPlacement placement_of(const ToolFrame& frame) {
   return {frame.tip_mm, frame.x, frame.y, frame.z};
 }
 
-/// A ring in the plane of the iris, seen from both sides.
+/// The iris as a ring, and from its rim on the wall of the globe, so that nothing but the pupil
+/// lets look into the eye.
 TriangleMesh iris_mesh(const EyeSetup& eye) {
   constexpr int kSides = 96;
-  const double outer_mm =
-      std::sqrt(std::max(1.0, eye.radius_mm * eye.radius_mm - kIrisMm * kIrisMm));
+  const double wall_mm = 0.999 * eye.radius_mm;
+  std::vector<ProfilePoint> profile{{eye.pupil_mm, kIrisPart * wall_mm}};
+  for (const double part : {kIrisPart, 0.55, 0.35, 0.15, 0.0}) {
+    profile.push_back({wall_mm * std::sqrt(1 - part * part), part * wall_mm});
+  }
+  const int rings = int(profile.size());
   TriangleMesh mesh;
   for (int n = 0; n < kSides; ++n) {
     const double angle = 2 * kPi * n / kSides;
-    for (const double radius_mm : {std::min(eye.pupil_mm, outer_mm), outer_mm}) {
-      mesh.vertices_lps_mm.emplace_back(radius_mm * std::cos(angle), radius_mm * std::sin(angle),
-                                        kIrisMm);
+    for (const ProfilePoint& at : profile) {
+      mesh.vertices_lps_mm.emplace_back(at.radius_mm * std::cos(angle),
+                                        at.radius_mm * std::sin(angle), at.z_mm);
     }
-  }
-  for (int n = 0; n < kSides; ++n) {
-    const int a = 2 * n, b = 2 * ((n + 1) % kSides);
-    mesh.triangles.push_back({a, a + 1, b});
-    mesh.triangles.push_back({b, a + 1, b + 1});
+    for (int ring = 0; ring + 1 < rings; ++ring) {
+      const int a = rings * n + ring, b = rings * ((n + 1) % kSides) + ring;
+      mesh.triangles.push_back({a, a + 1, b});
+      mesh.triangles.push_back({b, a + 1, b + 1});
+    }
   }
   return mesh;
 }
@@ -132,7 +142,8 @@ void OperationPicture::follow_vitreous(const Vitreous& vitreous) {
   m_haze->layer.update(m_haze->displacement.displacement(),
                        m_haze->displacement.update(vitreous.body().q));
   std::vector<Vec3i> removed;
-  for (const Slot slot : vitreous.removed()) removed.push_back(voxel_of(vitreous.body().elements, slot));
+  for (const Slot slot : vitreous.removed())
+    removed.push_back(voxel_of(vitreous.body().elements, slot));
   m_haze->layer.remove(removed);
 }
 
