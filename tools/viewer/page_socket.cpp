@@ -7,6 +7,8 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "tools/viewer/page_message.h"
+
 namespace supple::tools {
 
 namespace {
@@ -42,7 +44,7 @@ class MessageRate {
 /// A page's socket. Everything runs on the thread of the server, but for send_…(), which hand over.
 class PageSocket final : public PageOutlet, public std::enable_shared_from_this<PageSocket> {
  public:
-  PageSocket(Tcp::socket&& socket, const ServedViewer& served)
+  PageSocket(Tcp::socket&& socket, const ServedSession& served)
       : m_socket(std::move(socket)), m_served(served) {}
 
   void accept(http::request<http::empty_body> request) {
@@ -85,7 +87,7 @@ class PageSocket final : public PageOutlet, public std::enable_shared_from_this<
   };
 
   void begin() {
-    m_page = m_served.viewer.join(shared_from_this());
+    m_page = m_served.session.join(shared_from_this());
     read();
   }
 
@@ -104,7 +106,7 @@ class PageSocket final : public PageOutlet, public std::enable_shared_from_this<
     const std::string text = beast::buffers_to_string(m_incoming.data());
     m_incoming.consume(m_incoming.size());
     try {
-      m_served.viewer.receive(m_page, text);
+      m_served.session.receive(m_page, text);
     } catch (const BadMessage& bad) {
       return close(websocket::close_code::bad_payload, bad.what());
     }
@@ -161,11 +163,11 @@ class PageSocket final : public PageOutlet, public std::enable_shared_from_this<
     leave();
   }
   void leave() {
-    if (m_page != 0) m_served.viewer.leave(std::exchange(m_page, 0));
+    if (m_page != 0) m_served.session.leave(std::exchange(m_page, 0));
   }
 
   websocket::stream<beast::tcp_stream> m_socket;
-  const ServedViewer& m_served;
+  const ServedSession& m_served;
   http::request<http::empty_body> m_request;
   beast::flat_buffer m_incoming{kMostMessageBytes};
   MessageRate m_rate;
@@ -178,7 +180,7 @@ class PageSocket final : public PageOutlet, public std::enable_shared_from_this<
 
 }  // namespace
 
-void open_page_socket(Tcp::socket&& socket, const ServedViewer& served,
+void open_page_socket(Tcp::socket&& socket, const ServedSession& served,
                       http::request<http::empty_body> request) {
   const auto page = std::make_shared<PageSocket>(std::move(socket), served);
   page->accept(std::move(request));

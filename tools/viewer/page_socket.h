@@ -1,4 +1,4 @@
-// A page's socket: messages of the page go to the viewer, what the viewer sends waits here until
+// A page's socket: messages of the page go to the session, what it sends waits here until
 // the page takes it. A page that sends too much, too often or no text, or does not read, is closed.
 #pragma once
 
@@ -10,7 +10,7 @@
 #include <boost/beast/http/message.hpp>
 
 #include "tools/viewer/gatekeeper.h"
-#include "tools/viewer/viewer.h"
+#include "tools/viewer/page_session.h"
 
 namespace supple::tools {
 
@@ -19,8 +19,8 @@ using Tcp = boost::asio::ip::tcp;
 using SteadyClock = std::chrono::steady_clock;
 
 /// The objects that all connections share.
-struct ServedViewer {
-  Viewer& viewer;
+struct ServedSession {
+  PageSession& session;
   const Gatekeeper& gatekeeper;
   const std::string& page_folder;
   const std::string& base_path;
@@ -28,7 +28,7 @@ struct ServedViewer {
 
 /// Answers the request, whose token has been checked. The socket lives as long as its connection,
 /// on the thread of its executor.
-void open_page_socket(Tcp::socket&& socket, const ServedViewer& served,
+void open_page_socket(Tcp::socket&& socket, const ServedSession& served,
                       boost::beast::http::request<boost::beast::http::empty_body> request);
 
 }  // namespace supple::tools

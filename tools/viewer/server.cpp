@@ -45,9 +45,10 @@ bool is_plain_path(const std::string& path) {
 
 }  // namespace
 
-std::optional<PageFile> page_file(const std::string& target, const std::string& folder) {
+std::optional<PageFile> page_file(const std::string& target, const std::string& folder,
+                                  const std::string& first) {
   std::string path = target.substr(0, target.find('?'));
-  if (path == "/") path = "/index.html";
+  if (path == "/") path += first;
   if (path.empty() || path.front() != '/') return std::nullopt;
   path.erase(0, 1);
   if (!is_plain_path(path)) return std::nullopt;
@@ -78,7 +79,7 @@ constexpr std::size_t kMostPending = 64;  // connections without a socket
 /// A connection that asks for files of the page, until it opens a socket.
 class Visitor final : public std::enable_shared_from_this<Visitor> {
  public:
-  Visitor(Tcp::socket&& socket, const ServedViewer& served)
+  Visitor(Tcp::socket&& socket, const ServedSession& served)
       : m_stream(std::move(socket)), m_served(served) {}
 
   void read() {
@@ -127,7 +128,8 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     if (!is_head && request.method() != http::verb::get) {
       return send(http::status::method_not_allowed, "text/plain", "GET or HEAD\n", false);
     }
-    const std::optional<PageFile> file = page_file(target, m_served.page_folder);
+    const std::optional<PageFile> file =
+        page_file(target, m_served.page_folder, m_served.session.first_file());
     if (!file) return send(http::status::not_found, "text/plain", "no such file\n", true);
     send(http::status::ok, file->type, file->bytes, true);
   }
@@ -183,7 +185,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
   }
 
   beast::tcp_stream m_stream;
-  const ServedViewer& m_served;
+  const ServedSession& m_served;
   std::string m_location;  // beside a redirection: the page's relative addresses need its "/"
   beast::flat_buffer m_buffer{kMostHeaderBytes};
   std::optional<http::request_parser<http::empty_body>> m_parser;
@@ -224,7 +226,7 @@ struct Server::Impl {
   std::optional<Tcp::acceptor> first, v6;
   asio::steady_timer timer;
   std::optional<Gatekeeper> gatekeeper;
-  std::optional<ServedViewer> served;
+  std::optional<ServedSession> served;
   std::list<std::weak_ptr<Visitor>> visitors;  // oldest first
   std::function<bool()> stops;
   int pages_seen = 0;
@@ -292,13 +294,13 @@ void Server::Impl::admit(Tcp::socket&& socket) {
 }
 
 void Server::Impl::look() {
-  const int so_far = served->viewer.pages_so_far();
-  if (served->viewer.page_count() > 0 || so_far != pages_seen) last_page = SteadyClock::now();
+  const int so_far = served->session.pages_so_far();
+  if (served->session.page_count() > 0 || so_far != pages_seen) last_page = SteadyClock::now();
   pages_seen = so_far;
   const std::chrono::duration<double> alone = SteadyClock::now() - last_page;
   const bool is_left = so_far > 0 && options.grace_s > 0 && alone.count() > options.grace_s;
-  if (stops() || served->viewer.has_ended() || is_left) {
-    served->viewer.end("the server was stopped");
+  if (stops() || served->session.has_ended() || is_left) {
+    served->session.end("the server was stopped");
     // Messages in the queues go out; then every connection ends.
     timer.expires_after(kLookEvery);
     timer.async_wait([this](Error_code) { context.stop(); });
@@ -310,10 +312,10 @@ void Server::Impl::look() {
   });
 }
 
-void Server::run(Viewer& viewer, const std::function<bool()>& stops) {
+void Server::run(PageSession& session, const std::function<bool()>& stops) {
   Impl& impl = *m_impl;
   impl.served.emplace(
-      ServedViewer{viewer, *impl.gatekeeper, impl.options.page_folder, impl.options.base_path});
+      ServedSession{session, *impl.gatekeeper, impl.options.page_folder, impl.options.base_path});
   impl.stops = stops;
   impl.accept(*impl.first);
   if (impl.v6) impl.accept(*impl.v6);

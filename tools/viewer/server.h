@@ -1,5 +1,5 @@
 // HTTP and WebSocket, on the loopback unless told otherwise: serves the page, lets in who has the
-// token (gatekeeper.h), and passes messages on to the viewer. Whoever misbehaves loses his own
+// token (gatekeeper.h), and passes messages on to the session. Whoever misbehaves loses his own
 // connection: requests of more than 8 kB or slower than ten seconds, messages of more than 1 MiB,
 // more than 400 a second, or that are none; of connections that have not opened a socket at most 64
 // are kept, the oldest goes.
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/viewer/viewer.h"
+#include "tools/viewer/page_session.h"
 
 namespace supple::tools {
 
@@ -31,10 +31,11 @@ struct PageFile {
   std::string bytes;
 };
 
-/// The file of a request's target, "/" being "/index.html". `folder`: where it is read instead;
+/// The file of a request's target, "/" being `first`. `folder`: where it is read instead;
 /// empty: the embedded one. Nothing for targets that name none; of a folder only names of plain
 /// letters.
-std::optional<PageFile> page_file(const std::string& target, const std::string& folder);
+std::optional<PageFile> page_file(const std::string& target, const std::string& folder,
+                                  const std::string& first = "index.html");
 
 struct ServerOptions {
   int port = 0;         // 0: a free one
@@ -56,9 +57,9 @@ class Server {
   int port() const;
   /// Address of the page, with the token.
   std::string address() const;
-  /// Serves until `stops` says so, the viewer has ended, or the last page has been gone for long.
+  /// Serves until `stops` says so, the session has ended, or the last page has been gone for long.
   /// Asked twenty times a second.
-  void run(Viewer& viewer, const std::function<bool()>& stops);
+  void run(PageSession& session, const std::function<bool()>& stops);
 
  private:
   struct Impl;

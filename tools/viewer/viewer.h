@@ -13,6 +13,7 @@
 #include "tools/viewer/open_scene.h"
 #include "tools/viewer/opened_file.h"
 #include "tools/viewer/page_message.h"
+#include "tools/viewer/page_session.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {
@@ -27,25 +28,20 @@ struct ViewerOptions {
   bool go_on = false;    // where the last session of the input ended
 };
 
-class Viewer {
+class Viewer final : public PageSession {
  public:
   /// Throws as OpenScene for what the options open.
   Viewer(const ViewerOptions& options, const Folders& folders, Console& console);
-  ~Viewer();
+  ~Viewer() override;
 
-  /// Adds a page, from any thread.
-  int join(std::shared_ptr<PageOutlet> page);
-  void leave(int page);
-  /// Takes one message. Throws BadMessage: the connection is to be closed.
-  void receive(int page, std::string_view text);
-  std::size_t page_count() const { return m_pages.count(); }
-  int pages_so_far() const { return m_pages.joined(); }
-  /// Says good-bye and ends the session; what runs is cancelled.
-  void end(const std::string& reason);
-  /// True if the session's thread has ended by itself, by an error or a signal.
-  bool has_ended() const { return m_has_ended; }
-  /// Throws what ended it, if anything did.
-  void join_thread();
+  int join(std::shared_ptr<PageOutlet> page) override;
+  void leave(int page) override;
+  void receive(int page, std::string_view text) override;
+  std::size_t page_count() const override { return m_pages.count(); }
+  int pages_so_far() const override { return m_pages.joined(); }
+  void end(const std::string& reason) override;
+  bool has_ended() const override { return m_has_ended; }
+  void join_thread() override;
 
  private:
   void begin();
