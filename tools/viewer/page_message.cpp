@@ -10,14 +10,6 @@ namespace supple::tools {
 
 namespace {
 
-constexpr std::array<const char*, 16> kVerbs = {
-    "event",  "size",  "slices", "deformed", "pick",      "list",     "open",    "save",
-    "cancel", "go_on", "ack",    "presets",  "histogram", "material", "options", "materials"};
-
-bool is_verb(const std::string& key) {
-  return std::find(kVerbs.begin(), kVerbs.end(), key) != kVerbs.end();
-}
-
 /// Keys of an event whose texts name files, which begin at the first folder where they are
 /// relative. Any file that is read, by whatever key, must lie within the folders all the same.
 constexpr std::array<const char*, 7> kFileKeys = {"table",    "points", "fix_points", "mesh",
@@ -41,7 +33,14 @@ bool has_control_characters(Value value) {
 
 }  // namespace
 
-PageMessage parse_page_message(std::string_view text) {
+const std::vector<std::string>& viewer_verbs() {
+  static const std::vector<std::string> verbs = {
+      "event",  "size",  "slices", "deformed", "pick",      "list",     "open",    "save",
+      "cancel", "go_on", "ack",    "presets",  "histogram", "material", "options", "materials"};
+  return verbs;
+}
+
+PageMessage parse_page_message(std::string_view text, const std::vector<std::string>& verbs) {
   if (text.size() > kMostMessageBytes) throw BadMessage("a message of more than 1 MiB");
   Value json;
   try {
@@ -57,7 +56,7 @@ PageMessage parse_page_message(std::string_view text) {
       const std::int64_t n = value.is_whole() ? value.whole() : 0;
       if (n <= 0 || n > UINT32_MAX) throw BadMessage("a number n outside 1 to 2^32-1");
       message.n = std::uint32_t(n);
-    } else if (is_verb(key) && message.verb.empty()) {
+    } else if (message.verb.empty() && std::find(verbs.begin(), verbs.end(), key) != verbs.end()) {
       message.verb = key;
       message.value = value;
     } else {

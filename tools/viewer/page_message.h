@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "tools/scene/file/live_event.h"
 #include "tools/viewer/folders.h"
@@ -30,8 +31,11 @@ struct PageMessage {
   Value value;
 };
 
+/// Verbs of a session of a volume.
+const std::vector<std::string>& viewer_verbs();
 /// Throws BadMessage.
-PageMessage parse_page_message(std::string_view text);
+PageMessage parse_page_message(std::string_view text,
+                               const std::vector<std::string>& verbs = viewer_verbs());
 
 /// The value of a verb as a table, so that keys are read strictly. Throws InputError for values
 /// that are none and for control characters.

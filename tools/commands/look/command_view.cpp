@@ -9,7 +9,9 @@
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
 #include "tools/viewer/gatekeeper.h"
+#include "tools/viewer/operation_viewer.h"
 #include "tools/viewer/server.h"
+#include "tools/viewer/viewer.h"
 #include "volumes/base/json.h"
 #include "volumes/base/process.h"
 #include "volumes/base/signals.h"
@@ -82,6 +84,16 @@ std::vector<std::string> folders_of(const ViewCommand& command) {
   return folders;
 }
 
+/// A scene of an operation has a session of its own.
+std::unique_ptr<PageSession> session_of(const ViewerOptions& options, const Folders& folders,
+                                        Console& console) {
+  if (std::filesystem::path(options.input).extension() == ".toml") {
+    Table root = Table::read(options.input);
+    if (is_operation(root)) return std::make_unique<OperationViewer>(root, folders);
+  }
+  return std::make_unique<Viewer>(options, folders, console);
+}
+
 void tell_address(const std::string& address, int port, const GlobalOptions& global) {
   if (global.json) {
     const Value json = {{"address", address}, {"port", port}};
@@ -105,7 +117,7 @@ int run_view(ViewCommand command, const GlobalOptions& global, Console& console)
                        ": whoever reaches it and has the token of the address has the session; "
                        "nothing is encrypted");
   }
-  Viewer viewer(command.viewer, folders, console);
+  const std::unique_ptr<PageSession> session = session_of(command.viewer, folders, console);
   const std::string address = server.address();
   console.clear_line();
   tell_address(address, server.port(), global);
@@ -114,8 +126,8 @@ int run_view(ViewCommand command, const GlobalOptions& global, Console& console)
     doorway.emplace(address);
     doorway->open();
   }
-  server.run(viewer, [&] { return console.cancelled(); });
-  viewer.join_thread();
+  server.run(*session, [&] { return console.cancelled(); });
+  session->join_thread();
   poll(&console);
   return kOk;
 }

@@ -3,9 +3,8 @@
 import {button} from './elements.js';
 import {iconButton} from './icons.js';
 import {kSaves} from './panels/file_dialogs.js';
+import {makeTheme} from './theme.js';
 import {kTools} from './tools.js';
-
-const kTheme = 'supple.theme';
 
 export class Toolbar {
   constructor(app) {
@@ -26,7 +25,7 @@ export class Toolbar {
     if (window.matchMedia('(max-width: 56rem)').matches) this.togglePanel();
     this.makeSaveMenu(at('save'), at('save-menu'));
     this.makeTools(at('tools'));
-    this.makeTheme(at('theme'));
+    makeTheme(at('theme'));
     this.speed = at('speed');
     app.session.on('shown', () => this.tellSpeed());
     this.refresh();
@@ -76,25 +75,6 @@ export class Toolbar {
       'data-tool': name, 'aria-pressed': 'false', title: key ? `${title} (${key})` : title,
       'aria-keyshortcuts': key || null}));
     group.append(...this.tools);
-  }
-
-  makeTheme(chooser) {
-    const apply = (theme) => {
-      if (theme) document.documentElement.dataset.theme = theme;
-      else delete document.documentElement.dataset.theme;
-    };
-    let stored = '';
-    try {
-      stored = localStorage.getItem(kTheme) ?? '';
-    } catch { /* then the system's */ }
-    chooser.value = stored;
-    apply(stored);
-    chooser.addEventListener('change', () => {
-      apply(chooser.value);
-      try {
-        localStorage.setItem(kTheme, chooser.value);
-      } catch { /* until the page is closed */ }
-    });
   }
 
   refresh() {

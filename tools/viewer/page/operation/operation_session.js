@@ -1,0 +1,97 @@
+// What the page knows of the operation: the server's last words, and what was sent. Listeners hear of
+// 'connection', 'scene', 'status', 'events', 'log', 'frame' and 'shown'.
+
+import {Connection} from '../connection.js';
+import {FrameGate, Latencies, parseFrame} from '../frames.js';
+
+const kMostEvents = 500;
+
+export class OperationSession {
+  constructor(address, token, Socket) {
+    this.listeners = new Map();
+    this.hello = this.scene = this.status = null;
+    this.events = [];
+    this.log = [];
+    this.state = 'connecting';  // connected, lost, ended
+    this.counts = {frames: 0, shown: 0, stale: 0, connections: 0};
+    this.latencies = new Latencies();
+    this.gate = new FrameGate();
+    this.connection = new Connection(address, token, {
+      opened: () => this.opened(), closed: () => this.closed(),
+      text: (message) => this.heard(message), binary: (buffer) => this.frame(buffer),
+      failed: (n, text) => this.addLog({level: 'error', text})}, Socket);
+  }
+
+  on(topic, listener) {
+    if (!this.listeners.has(topic)) this.listeners.set(topic, []);
+    this.listeners.get(topic).push(listener);
+  }
+  tell(topic, value) {
+    for (const listener of this.listeners.get(topic) ?? []) listener(value);
+  }
+
+  opened() {
+    ++this.counts.connections;
+    this.latencies.forget();
+    this.gate.restart();
+  }
+  closed() {
+    if (this.state !== 'ended') this.state = 'lost';
+    this.tell('connection', this.state);
+  }
+
+  heard(message) {
+    if ('hello' in message) {
+      this.hello = message.hello;
+      this.state = 'connected';
+      this.tell('connection', this.state);
+    }
+    if ('scene' in message) this.tell('scene', this.scene = message.scene);
+    if ('status' in message) this.tell('status', this.status = message.status);
+    if ('events' in message) {
+      this.events.push(...message.events);
+      this.events.splice(0, Math.max(0, this.events.length - kMostEvents));
+      this.tell('events', message.events);
+    }
+    if ('log' in message) this.addLog(message.log);
+    if ('bye' in message) this.state = 'ended';
+  }
+  addLog(line) {
+    this.log.push(line);
+    this.tell('log', line);
+  }
+
+  /// What the status says of an instrument.
+  instrument(name) { return this.status?.instruments.find((one) => one.name === name); }
+
+  /// Asks for parts of a pose; `time` is when the user's input happened.
+  lead(name, wish, time = performance.now()) {
+    const n = this.connection.post('instrument', {name, ...wish});
+    if (n && !this.status?.is_paused) this.latencies.sent(n, time);
+  }
+  follow(name) { this.connection.post('instrument', {name, follow: true}); }
+  view(wish) { this.connection.post('view', wish); }
+  operation(what, more = {}) { return this.connection.ask('operation', {do: what, ...more}); }
+
+  frame(buffer) {
+    const frame = parseFrame(buffer);
+    if (!frame) return;
+    ++this.counts.frames;
+    frame.connection = this.counts.connections;
+    this.tell('frame', frame);
+  }
+  /// A picture is decoded: whether it is to be shown.
+  passes(frame) {
+    if (frame.connection !== this.counts.connections) return false;
+    this.connection.ack(frame.frame);
+    const passes = this.gate.pass(frame);
+    if (!passes) ++this.counts.stale;
+    return passes;
+  }
+  /// The screen shows a frame.
+  pictured(frame) {
+    ++this.counts.shown;
+    this.latencies.shown(frame.event, performance.now());
+    this.tell('shown', frame);
+  }
+}
