@@ -196,6 +196,7 @@ void OperationViewer::tell_status(bool at_once) {
     return {{"median", ms.quantile_ms(0.5)}, {"p95", ms.quantile_ms(0.95)}};
   };
   status["is_paused"] = m_loop.is_paused();
+  if (m_loop.is_paused()) status["digest"] = m_live.operation().digest();
   status["ms"] = {{"step", times(m_loop.step_times())},
                   {"picture", times(m_loop.picture_times())},
                   {"latency", times(m_latencies)}};
