@@ -8,7 +8,7 @@ cd "$(dirname "$0")"
 node -e 'process.exit(process.versions.node.split(".")[0] >= 18 ? 0 : 1)' 2>/dev/null ||
   { echo "skipped: no node 18 or later (apt-get install nodejs)"; exit 77; }
 
-node --test page_camera.test.mjs page_session.test.mjs
+node --test page_camera.test.mjs page_session.test.mjs page_operation.test.mjs
 
 chromium="${SUPPLE_CHROMIUM:-$(command -v chromium chromium-browser google-chrome | head -n 1 || true)}"
 [ -n "$chromium" ] || { echo "skipped: no chromium (apt-get install chromium)"; exit 77; }
