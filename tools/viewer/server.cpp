@@ -16,6 +16,7 @@
 #include <boost/beast/websocket/rfc6455.hpp>
 
 #include "tools/viewer/page_socket.h"
+#include "volumes/base/error.h"
 
 namespace supple::tools {
 

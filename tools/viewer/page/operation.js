@@ -61,8 +61,9 @@ class OperationApp {
     at('pause').setAttribute('aria-pressed', String(status.is_paused));
     at('pause').textContent = status.is_paused ? 'Go on' : 'Pause';
     if (document.activeElement !== at('stereo')) at('stereo').value = status.view.stereo;
-    if (this.hand && !this.session.instrument(this.hand.name)?.is_led && this.hand.isTaken) this.forget();
-    if (this.hand) this.hand.isTaken = true;
+    if (!this.hand) return;
+    if (this.session.instrument(this.hand.name)?.is_led) this.hand.isTaken = true;
+    else if (this.hand.isTaken) this.forget();  // another page has let it go
   }
 
   /// The chosen instrument follows the mouse from where it is.
