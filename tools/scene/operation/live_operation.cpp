@@ -71,7 +71,7 @@ struct LiveOperation::Impl {
   std::vector<char> led;                     // by a hand
   std::vector<std::vector<TrackKey>> poses;  // per instrument: of all steps
   std::vector<Look> looks;                   // where they change
-  int steps = 0;
+  int steps = 0, restarts = 0;
 
   explicit Impl(const Table& given);
   void begin();
@@ -226,6 +226,7 @@ const OperationSample& LiveOperation::step() {
 
 void LiveOperation::restart() {
   m_impl->begin();
+  ++m_impl->restarts;
 }
 
 std::vector<std::string> LiveOperation::files(const std::string& path) const {
@@ -260,6 +261,9 @@ const MicroscopeView& LiveOperation::view() const {
 }
 int LiveOperation::steps() const {
   return m_impl->steps;
+}
+int LiveOperation::restarts() const {
+  return m_impl->restarts;
 }
 
 }  // namespace supple::tools

@@ -66,6 +66,7 @@ class LiveOperation {
   /// The first view as it is seen now.
   const MicroscopeView& view() const;
   int steps() const;
+  int restarts() const;
   double time_s() const { return steps() * scene().setup.step_s; }
 
  private:

@@ -23,7 +23,7 @@ double RecentTimes::quantile_ms(double part) const {
 }
 
 OperationLoop::OperationLoop(LiveOperation& live, OperationListener& listener)
-    : m_live(live), m_listener(listener), m_picture(live.scene(), live.operation()) {}
+    : m_live(live), m_listener(listener) {}
 
 void OperationLoop::post(std::function<void()> work) {
   {
@@ -75,9 +75,14 @@ void OperationLoop::step() {
 
 void OperationLoop::draw() {
   if (m_is_seen || !m_is_watched) return;
+  // What was removed does not come back to a picture.
+  if (m_restarts != m_live.restarts()) {
+    m_picture = std::make_unique<OperationPicture>(m_live.scene(), m_live.operation());
+    m_restarts = m_live.restarts();
+  }
   const Stopwatch watch;
-  m_picture.follow(m_live.operation(), m_live.record().balls());
-  const Image image = m_picture.draw(m_live.view(), m_live.time_s());
+  m_picture->follow(m_live.operation(), m_live.record().balls());
+  const Image image = m_picture->draw(m_live.view(), m_live.time_s());
   m_picture_times.add(watch.ms());
   m_is_seen = true;
   m_drawn = Clock::now();

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -75,7 +76,8 @@ class OperationLoop {
 
   LiveOperation& m_live;
   OperationListener& m_listener;
-  OperationPicture m_picture;
+  std::unique_ptr<OperationPicture> m_picture;
+  int m_restarts = -1;  // of the operation that it shows
 
   std::mutex m_guard;  // of what follows
   std::condition_variable m_changed;
