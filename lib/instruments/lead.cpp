@@ -218,32 +218,35 @@ class Leader {
     return along + (normal - along) * (1 - (place_mm - pose.tip_mm).dot(pose.axis) / depth);
   }
 
-  /// Moves the tip of a pose so that a depth along the normal is left.
+  /// Moves the tip of a pose so that a depth along the normal is left; a negative one is reached.
   void leave(InstrumentPose& pose, const Vec3d& place_mm, const Vec3d& normal, double depth_mm) {
-    if (depth_mm <= 0) return;
     const Vec3d answer = response(pose, place_mm, normal);
     if (answer.length2() < 1e-2) return;
     pose.tip_mm += answer * (depth_mm / answer.length2());
     pose = led(pose);
   }
 
-  /// The asked pose, out of what stopped it: first along the planes that touch, then off the
-  /// surfaces that bend away from these.
+  /// The asked pose, out of what stopped it: first onto the planes that touch and that it is
+  /// behind, to and fro since the shaft turns with the tip; then off the surfaces that bend away
+  /// from these.
   InstrumentPose bent() {
     InstrumentPose pose = m_asked;
+    std::vector<char> is_behind(m_stops.size(), 0);
     for (int n = 0; n < kBends; ++n) {
-      for (const Stop& stop : m_stops) {
-        const double least = least_of(stop);
-        leave(pose, stop.place_mm, stop.normal,
-              behind(parts_at(m_tool, pose)[stop.part], stop.place_mm, stop.normal) + least +
-                  kLiftMm);
+      for (std::size_t s = 0; s < m_stops.size(); ++s) {
+        const Stop& stop = m_stops[s];
+        const double depth = behind(parts_at(m_tool, pose)[stop.part], stop.place_mm, stop.normal) +
+                             least_of(stop) + kLiftMm;
+        if (depth > 0) is_behind[s] = 1;
+        if (is_behind[s]) leave(pose, stop.place_mm, stop.normal, depth);
       }
     }
     for (int n = 0; n < kBends; ++n) {
       for (const Stop& stop : m_stops) {
         const Approach found =
             approach(parts_at(m_tool, pose)[stop.part], m_obstacles[stop.obstacle].surface);
-        leave(pose, found.place_mm, found.normal, least_of(stop) + kLiftMm - found.distance_mm);
+        const double depth = least_of(stop) + kLiftMm - found.distance_mm;
+        if (depth > 0) leave(pose, found.place_mm, found.normal, depth);
       }
     }
     return pose;

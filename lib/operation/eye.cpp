@@ -8,7 +8,8 @@ namespace supple {
 
 namespace {
 
-constexpr double kCornea = 12;  // of the globe's centre, mm
+constexpr double kGullstrand = 11;  // radius of the retina of the schematic eye, mm
+constexpr double kCornea = 12;      // height of its cornea above the centre, mm
 
 /// Rodrigues' formula.
 Vec3d turned(const Vec3d& v, const Vec3d& by) {
@@ -33,20 +34,21 @@ Vec3d least_energy_turn(const EyeSetup& eye, const Vec3d& start, const std::vect
   for (int round = 0; round < 8; ++round) {
     // Columns of the matrix muscles + wall sum J^T J, and the gradient; J = -[R p]_x without the
     // part along the shaft.
-    std::array<Vec3d, 3> matrix{Vec3d(eye.muscles_n_mm, 0, 0), Vec3d(0, eye.muscles_n_mm, 0),
-                                Vec3d(0, 0, eye.muscles_n_mm)};
-    Vec3d gradient = w * eye.muscles_n_mm;
+    std::array<Vec3d, 3> matrix{Vec3d(eye.muscles_n_mm_per_rad, 0, 0),
+                                Vec3d(0, eye.muscles_n_mm_per_rad, 0),
+                                Vec3d(0, 0, eye.muscles_n_mm_per_rad)};
+    Vec3d gradient = w * eye.muscles_n_mm_per_rad;
     for (const Shaft& shaft : shafts) {
       const Vec3d p = turned(shaft.incision_mm, w);
       const Vec3d from = p - shaft.tip_mm;
       const Vec3d away = from - shaft.axis * from.dot(shaft.axis);
-      gradient += p.cross(away) * eye.wall_n_mm;
+      gradient += p.cross(away) * eye.wall_n_per_mm;
       for (int c = 0; c < 3; ++c) {
         Vec3d unit(0.0);
         unit[c] = 1;
         const Vec3d moved = unit.cross(p);
         const Vec3d across = moved - shaft.axis * moved.dot(shaft.axis);
-        matrix[std::size_t(c)] += p.cross(across) * eye.wall_n_mm;
+        matrix[std::size_t(c)] += p.cross(across) * eye.wall_n_per_mm;
       }
     }
     const Vec3d change = solve(matrix, gradient);
@@ -66,10 +68,10 @@ Fields fields(EyeSetup& setup) {
       Field("incision", setup.incision_mm, "Radius of the wall that lets a shaft through")
           .unit("mm")
           .positive(),
-      Field("muscles", setup.muscles_n_mm, "Torque per radian that turns the eye back")
+      Field("muscles", setup.muscles_n_mm_per_rad, "Torque per radian that turns the eye back")
           .unit("N mm")
           .positive(),
-      Field("wall", setup.wall_n_mm, "Force with which an incision follows a shaft")
+      Field("wall", setup.wall_n_per_mm, "Force with which an incision follows a shaft")
           .unit("N/mm")
           .at_least(0),
       Field("settles", setup.settles_s, "Time in which the eye follows").unit("s").positive(),
@@ -86,10 +88,11 @@ Fields fields(EyeSetup& setup) {
   };
 }
 
-LensShape lens_of(const EyeSetup&) {
+LensShape lens_of(const EyeSetup& eye) {
+  const double scale = eye.radius_mm / kGullstrand;
   const double front = kCornea - 3.6;  // z of the vertices
   const double back = front - 3.6;
-  return {{{0, 0, front - 10}, 10}, {{0, 0, back + 6}, 6}};
+  return {{{0, 0, (front - 10) * scale}, 10 * scale}, {{0, 0, (back + 6) * scale}, 6 * scale}};
 }
 
 std::vector<Obstacle> obstacles_of(const EyeSetup& eye) {

@@ -3,7 +3,7 @@
 //
 // Frame of the eye: the origin at the centre of the globe, z from the posterior pole of the retina
 // to the cornea, mm. Measures of the lens are Gullstrand's (schematic eye, 1909): radii 10 and 6
-// mm, thickness 3.6 mm, its front 3.6 mm behind the cornea.
+// mm, thickness 3.6 mm, its front 3.6 mm behind the cornea; it scales with the globe.
 #pragma once
 
 #include <string>
@@ -21,16 +21,16 @@ struct Incision {
 };
 
 struct EyeSetup {
-  double radius_mm = 11;         // of the retina, the inside of the globe
-  bool lens = true;              // whether there is one
-  double pupil_mm = 4;           // radius
-  double incision_mm = 0.8;      // radius of the wall that lets a shaft through
-  double muscles_n_mm = 2;       // torque per radian that turns the eye back
-  double wall_n_mm = 40;         // N/mm with which an incision follows a shaft
-  double settles_s = 0.05;       // time in which the eye follows
-  double bleeds_from_n = 0.01;   // force of a touch that opens a vessel
-  double bleeding_mm_s = 0.15;   // growth of a spot's radius
-  double largest_spot_mm = 1.2;  // radius
+  double radius_mm = 11;            // of the retina, the inside of the globe
+  bool lens = true;                 // whether there is one
+  double pupil_mm = 4;              // radius
+  double incision_mm = 0.8;         // radius of the wall that lets a shaft through
+  double muscles_n_mm_per_rad = 2;  // torque per radian that turns the eye back
+  double wall_n_per_mm = 40;        // N/mm with which an incision follows a shaft
+  double settles_s = 0.05;          // time in which the eye follows
+  double bleeds_from_n = 0.01;      // force of a touch that opens a vessel
+  double bleeding_mm_s = 0.15;      // growth of a spot's radius
+  double largest_spot_mm = 1.2;     // radius
   int fundus_seed = 1;
   std::vector<Incision> incisions = {{"temporal", {-8.2, -2.4, 6.9}}, {"nasal", {8.2, -2.4, 6.9}}};
 };

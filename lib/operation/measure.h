@@ -23,7 +23,7 @@ struct OperationSurroundings {
   double globe_radius_mm = 0;     // 0: there is none
   std::string lamp;               // instrument whose cone of light is looked at; empty: none
   double lamp_cone_degrees = 35;  // half of it
-  Vec3d view{0, 0, 1};            // from the focal plane to the microscope
+  Vec3d view{0, 0, 1};            // from the focal plane to the microscope, in the head's frame
 };
 Fields fields(OperationSurroundings& around);
 

@@ -49,6 +49,8 @@ struct Operation::Impl {
   std::int64_t steps = 0;
 
   explicit Impl(const OperationSetup& given);
+  void require_substeps() const;
+  void require_poses(const std::vector<InstrumentPose>& asked) const;
   const Incision* find_incision(const OperationTool& tool) const;
   void require_free(const InstrumentPose& pose, std::size_t n) const;
   void add_event(const std::string& kind, int tool, const std::string& at, const Vec3d& place_mm,
@@ -87,6 +89,32 @@ void Operation::Impl::require_free(const InstrumentPose& pose, std::size_t n) co
   }
 }
 
+/// A step is a whole number of each membrane's substeps.
+void Operation::Impl::require_substeps() const {
+  for (const OperationMembrane& one : setup.membranes) {
+    const double count = setup.step_s / one.params.substep_s;
+    if (std::abs(count - std::round(count)) < 1e-6 && count > 0.5) continue;
+    throw InputError({"", "substep of " + one.name, number_text(one.params.substep_s) + " s",
+                      "a whole part of the step of " + number_text(setup.step_s) + " s"});
+  }
+}
+
+void Operation::Impl::require_poses(const std::vector<InstrumentPose>& asked) const {
+  if (asked.size() != instruments.size()) {
+    throw InputError({"", "poses", std::to_string(asked.size()),
+                      "one for each of " + std::to_string(instruments.size()) + " instruments"});
+  }
+  for (std::size_t n = 0; n < asked.size(); ++n) {
+    const InstrumentPose& pose = asked[n];
+    const double numbers = pose.roll_degrees + pose.opening_degrees + pose.active;
+    const bool is_whole = is_finite(pose.tip_mm) && is_finite(pose.axis) &&
+                          std::isfinite(numbers) && pose.axis.length() > 0;
+    if (is_whole) continue;
+    throw InputError({"", "pose of " + instruments[n].name,
+                      "a number that is not finite, or no axis", "finite numbers and a direction"});
+  }
+}
+
 Operation::Impl::Impl(const OperationSetup& given) : setup(given), obstacles(given.shapes) {
   if (setup.eye) {
     for (Incision& incision : setup.eye->incisions) {
@@ -103,6 +131,7 @@ Operation::Impl::Impl(const OperationSetup& given) : setup(given), obstacles(giv
     require_free(start, instruments.size() - 1);
     sample.instruments.push_back({start, start, 0});
   }
+  require_substeps();
   for (const OperationMembrane& one : setup.membranes) {
     membranes.emplace_back(one.mesh, one.params, obstacles, one.name);
     sample.membranes.push_back({one.name, membranes.back().clinging_mm2()});
@@ -181,7 +210,7 @@ std::vector<ToolMotion> Operation::Impl::lead_instruments(
     InstrumentSample& one = sample.instruments[n];
     const InstrumentPose from = one.pose;
     one.asked = in_eye(asked[n]);
-    one.force_n = 0;
+    one.force_n = one.pull_n = 0;
     const Vec3d* pivot = incisions[n] == nullptr ? nullptr : &incisions[n]->place_mm;
     const StoppedTool stopped = lead(instruments[n], from, one.asked, obstacles, pivot);
     one.pose = stopped.pose;
@@ -218,7 +247,11 @@ void Operation::Impl::move_membranes(const std::vector<ToolMotion>& motions) {
       if (event.kind == MembraneEvent::Kind::edge_torn) value = membrane.torn_mm() - tore_mm;
       add_event(kind_name(event.kind), event.tool, membrane.name(), event.place_mm, value);
     }
-    sample.membranes[n].clinging_mm2 = clinging_mm2;
+    for (std::size_t tool = 0; tool < report.tool_forces_n.size(); ++tool) {
+      sample.instruments[tool].pull_n += report.tool_forces_n[tool].length();
+    }
+    sample.membranes[n] = {membrane.name(), clinging_mm2, report.longest_stretch, report.pinched,
+                           report.inverted};
     sample.clinging_mm2 += clinging_mm2;
   }
 }
@@ -229,6 +262,7 @@ Operation::Operation(Operation&&) noexcept = default;
 
 const OperationSample& Operation::step(const std::vector<InstrumentPose>& asked) {
   Impl& in = *m_impl;
+  in.require_poses(asked);
   in.sample.events.clear();
   in.sample.time_s = double(++in.steps) * in.setup.step_s;
   const Stopwatch whole;

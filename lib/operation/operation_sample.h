@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "lib/instruments/instrument.h"
-#include "lib/instruments/tool_contact.h"
 
 namespace supple {
 
@@ -30,20 +29,25 @@ struct OperationEvent {
 struct InstrumentSample {
   InstrumentPose asked;  // by the hand
   InstrumentPose pose;   // that it has, in the eye's frame
-  double force_n = 0;    // of all touches
+  double force_n = 0;    // of all touches of rigid surfaces
+  double pull_n = 0;     // with which membranes pull at it; not in logs
 };
 
 struct MembraneSample {
   std::string body;
   double clinging_mm2 = 0;
+  // Not in logs:
+  double longest_stretch = 1;  // of an edge, times its length at rest
+  int pinched = 0;             // nodes that two things press at once
+  int inverted = 0;            // triangles that face against those beside them
 };
 
 struct OperationSample {
   double time_s = 0;
   std::vector<InstrumentSample> instruments;
   std::vector<OperationEvent> events;
-  Vec3d turn_degrees{0, 0, 0};            // of the eye, about x, y and z
-  Vec3d focus_mm{0, 0, 0};                // of the microscope
+  Vec3d turn_degrees{0, 0, 0};            // of the eye from its frame to the head's: a vector
+  Vec3d focus_mm{0, 0, 0};                // of the microscope, in the head's frame
   double zoom = 1;                        // of the microscope
   double clinging_mm2 = 0;                // of all membranes
   double vitreous_left = 1;               // part

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "lib/operation/eye.h"
 #include "lib/operation/measure.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 
@@ -29,9 +32,10 @@ double clearance_mm(const MeasureScope& scope, const OperationStep& step) {
   return scope.around.globe_radius_mm - from.length();
 }
 
-/// Distance between the tip and the focal plane.
+/// Distance between the tip and the focal plane, in the head's frame.
 double out_of_focus_mm(const MeasureScope& scope, const OperationStep& step) {
-  const Vec3d from = tip_of(scope, step).tip_mm - step.sample.focus_mm;
+  const EyeTurn turn{step.sample.turn_degrees * kRadiansPerDegree};
+  const Vec3d from = turn.to_head(tip_of(scope, step).tip_mm) - step.sample.focus_mm;
   return std::abs(from.dot(scope.around.view.normalized()));
 }
 
@@ -40,7 +44,7 @@ bool is_in_light(const MeasureScope& scope, const OperationStep& step) {
   const InstrumentPose& lamp = step.sample.instruments[std::size_t(scope.lamp)].pose;
   const Vec3d from = tip_of(scope, step).tip_mm - lamp.tip_mm;
   const double along = -from.dot(lamp.axis);
-  const double cone = scope.around.lamp_cone_degrees * 3.14159265358979323846 / 180;
+  const double cone = scope.around.lamp_cone_degrees * kRadiansPerDegree;
   return along >= from.length() * std::cos(cone);
 }
 
