@@ -107,7 +107,7 @@ async function lead(dx, dy, steps, pause = 20, more = {}) {
 /// Lets two steps and a picture pass.
 async function pass() {
   const {time_s: time} = await get('status');
-  await view.until('time passes', `$status.time_s > ${time + 0.15}`);
+  await view.until('time passes', `$status.time_s > ${time + 0.15}`, 60);
 }
 
 step('the page shows the operation and what is in it', async () => {
@@ -140,34 +140,35 @@ step('the mouse takes the forceps and moves it; its picture moves with it', asyn
 step('the wheel leads the tip into the picture and out', async () => {
   await pass();
   const from = await tip();
+  const depth = '$status.instruments[0].pose.tip[2]';
   await page.wheel(...mouse, 300);
-  await pass();
-  const out = await tip();
-  assert.ok(out[2] > from[2] + 0.2, `${from} to ${out}`);
+  await view.until('it comes nearer', `${depth} > ${from[2] + 0.2}`, 30);
   await page.wheel(...mouse, -300);
-  await pass();
-  assert.ok(Math.abs((await tip())[2] - from[2]) < 0.02);
+  await view.until('it goes back', `Math.abs(${depth} - ${from[2]}) < 0.02`, 30);
 });
 
 step('the forceps closes on the membrane and peels it, and the page tells of it', async (t) => {
   const whole = await clinging();
-  for (let n = 0; n < 40 && !(await get('events')).some(({kind}) => kind === 'gripped'); ++n) {
-    await page.wheel(...mouse, -50);
-    await sleep(60);
-    if (n % 5 !== 4) continue;
+  let isGripped = false;
+  for (let n = 0; n < 12 && !isGripped; ++n) {
+    const asked = await get('asked.tip[2]');
+    for (let notch = 0; notch < 4; ++notch) await page.wheel(...mouse, -50);
+    await view.until('it is deeper', `$asked.tip[2] < ${asked - 0.15}`, 30);
+    await pass();
     await page.press(...mouse);
-    await sleep(400);
-    if ((await get('events')).some(({kind}) => kind === 'gripped')) break;
+    await view.until('it is closed', '$status.instruments[0].pose.opening === 0', 30);
+    isGripped = (await get('events')).some(({kind}) => kind === 'gripped');
+    if (isGripped) break;
     await page.release(...mouse);
-    await sleep(300);
+    await view.until('it is open', '$status.instruments[0].pose.opening === 20', 30);
   }
-  await view.until('it is gripped', `$events.some(({kind}) => kind === 'gripped')`);
+  assert.ok(isGripped, 'gripped');
   await keep('operation_gripped.png');
   for (let n = 0; n < 10; ++n) {
     await page.wheel(...mouse, 100, {button: 'left', buttons: 1});
     await lead(-4, 0, 3, 20, {button: 'left', buttons: 1});
   }
-  await view.until('links break', `$events.some(({kind}) => kind === 'link_broken') && $status.clinging_mm2 < ${whole - 0.05}`);
+  await view.until('links break', `$events.some(({kind}) => kind === 'link_broken') && $status.clinging_mm2 < ${whole - 0.05}`, 30);
   await pass();
   await keep('operation_peeled.png');
   await page.release(...mouse);
@@ -197,7 +198,7 @@ step('keys choose, move, roll, zoom and pause; a lamp is switched', async () => 
   const from = (await pose('vitrector')).pose;
   for (let n = 0; n < 4; ++n) await page.key('ArrowLeft');
   for (let n = 0; n < 2; ++n) await page.key('q');
-  await pass();
+  await view.until('it is rolled', `Math.abs($status.instruments[1].pose.roll - ${from.roll + 10}) < 1e-6`, 30);
   const to = (await pose('vitrector')).pose;
   assert.ok(Math.abs(to.tip[0] - from.tip[0] + 0.2) < 0.02, `${from.tip} to ${to.tip}`);
   assert.ok(Math.abs(to.roll - from.roll - 10) < 1e-6);
