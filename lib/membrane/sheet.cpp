@@ -37,10 +37,29 @@ std::map<LinkNodes, int> sides_of(const std::vector<TriangleNodes>& triangles) {
   return sides;
 }
 
+/// Links in groups that share no nodes: a processor solves neighbours in a group at once.
+std::vector<LinkNodes> independent_first(const std::vector<LinkNodes>& links, std::size_t nodes) {
+  std::vector<std::vector<LinkNodes>> groups;
+  std::vector<std::vector<char>> is_taken;  // per group and node
+  for (const LinkNodes& link : links) {
+    std::size_t group = 0;
+    while (group < groups.size() && (is_taken[group][link[0]] || is_taken[group][link[1]])) ++group;
+    if (group == groups.size()) {
+      groups.emplace_back();
+      is_taken.emplace_back(nodes, 0);
+    }
+    groups[group].push_back(link);
+    is_taken[group][link[0]] = is_taken[group][link[1]] = 1;
+  }
+  std::vector<LinkNodes> ordered;
+  for (const auto& group : groups) ordered.insert(ordered.end(), group.begin(), group.end());
+  return ordered;
+}
+
 void add_springs(Sheet& sheet, const MembraneParams& params) {
   const MeshBody& body = sheet.body;
   const std::map<LinkNodes, int> sides = sides_of(body.triangles);
-  for (const LinkNodes& link : body.links) {
+  for (const LinkNodes& link : independent_first(body.links, body.node_count())) {
     double area = 0;
     for (const LinkNodes& side : {link, LinkNodes{link[1], link[0]}}) {
       const auto found = sides.find(side);

@@ -8,8 +8,9 @@ namespace supple {
 namespace {
 
 SurfaceDistance distance_of(const HollowSphere& s, const Vec3d& p) {
-  const SurfaceDistance ball = distance_to(Shape(SphereShape{s.centre_mm, s.radius_mm}), p);
-  return {-ball.distance_mm, -ball.normal};
+  const Vec3d inward = s.centre_mm - p;
+  const double length = std::sqrt(inward.length2());
+  return {s.radius_mm - length, length > 0 ? inward / length : Vec3d(0, 0, -1)};
 }
 
 SurfaceDistance distance_of(const LensShape& s, const Vec3d& p) {
@@ -35,6 +36,9 @@ bool is_clear(const HollowSphere& s, const Vec3d& p, double reach_mm) {
 bool is_clear(const SphereShape& s, const Vec3d& p, double reach_mm) {
   const double reach = s.radius_mm + reach_mm;
   return (p - s.centre_mm).length2() > reach * reach;
+}
+bool is_clear(const LensShape& s, const Vec3d& p, double reach_mm) {
+  return is_clear(s.front, p, reach_mm) || is_clear(s.back, p, reach_mm);
 }
 
 }  // namespace
@@ -70,9 +74,10 @@ template <class Surface>
 void SheetGround::push_from(const Surface& surface, Sheet& sheet) {
   // Distances round: a node that has just been put onto the surface is not moved again.
   constexpr double kRoundingMm = 1e-12;
+  const double reach_mm = m_thickness_mm - kRoundingMm;
   for (std::size_t n = 0; n < m_pushes_mm.size(); ++n) {
     Vec3d& pos = sheet.body.pos_mm[n];
-    if (sheet.mobility[n] == 0 || is_clear(surface, pos, m_thickness_mm)) continue;
+    if (sheet.mobility[n] == 0 || is_clear(surface, pos, reach_mm)) continue;
     const SurfaceDistance near = distance_of(surface, pos);
     const double depth = m_thickness_mm - near.distance_mm;
     if (depth <= kRoundingMm) continue;
