@@ -235,7 +235,7 @@ HWY_ATTR void lamp_light_impl(const LampFloats& lamp, const PacketPlaces& places
         const VF lobe = positive(hn::Mul(dot(normal, half), inverse_length(half)));
         const VF exponent = load(places.shininess, at);
         const VF norm = hn::MulAdd(exponent, floats(0.125f), floats(1));
-        const VF strength = hn::Mul(hn::Mul(specular, norm), positive(cosine));
+        const VF strength = hn::Mul(hn::Mul(specular, norm), hn::Mul(dense, positive(cosine)));
         mirrored = hn::Mul(hn::Mul(shine, strength), power_of(lobe, exponent));
       }
       light.reached |=
