@@ -40,16 +40,19 @@ int turn_of_pixel(float x, float y) {
 
 /// Points of the lamp's disc to which sample `sample` of each ray goes: evenly spread by the golden
 /// angle.
-void sample_lamp(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y, int sample,
-                 LaneVectors& points) {
+void sample_lamp(const EyeScene& scene, const LaneFloats& cosine, const LaneFloats& sine,
+                 int sample, LaneVectors& points) {
   const LampDisc& disc = scene.disc;
+  const Vec3f place = scene.lamp.place;
   const double angle = sample * kPi * (3 - std::sqrt(5.0));
   const double radius = std::sqrt((sample + 0.5) / disc.samples);
   const auto c = float(radius * std::cos(angle)), s = float(radius * std::sin(angle));
   for (int lane = 0; lane < kPacketRays; ++lane) {
-    const auto& turn = disc.turns[std::size_t(turn_of_pixel(x[lane], y[lane]))];
-    const float across = c * turn[0] - s * turn[1], aside = c * turn[1] + s * turn[0];
-    points.set(lane, scene.lamp.place + disc.across * across + disc.aside * aside);
+    const float across = c * cosine[lane] - s * sine[lane];
+    const float aside = c * sine[lane] + s * cosine[lane];
+    points.x[lane] = place.x + disc.across.x * across + disc.aside.x * aside;
+    points.y[lane] = place.y + disc.across.y * across + disc.aside.y * aside;
+    points.z[lane] = place.z + disc.across.z * across + disc.aside.z * aside;
   }
 }
 
@@ -57,32 +60,38 @@ void sample_lamp(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y
 void lamp_passing(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y,
                   const PacketPlaces& places, std::uint32_t wanted, LaneFloats& part) {
   for (float& p : part.of) p = 1;
-  if (wanted == 0 || scene.disc.samples == 0) return;
+  const LampDisc& disc = scene.disc;
+  if (wanted == 0 || disc.samples == 0) return;
+  const float reach = disc.samples == 1 ? 0 : disc.across.length();
+  if (!scene.shapes->may_shade(places, wanted, scene.lamp.place, reach)) return;
   PacketRays rays;
   LaneVectors points;
-  if (scene.disc.samples == 1) {
+  if (disc.samples == 1) {
     for (int lane = 0; lane < kPacketRays; ++lane) points.set(lane, scene.lamp.place);
     shadow_rays(places, points, wanted, rays);
     scene.shapes->passing(rays, part);
     return;
   }
-  LaneFloats sum{}, one;
-  for (int sample = 0; sample < scene.disc.samples; ++sample) {
-    sample_lamp(scene, x, y, sample, points);
+  LaneFloats sum{}, one, cosine, sine;
+  for (int lane = 0; lane < kPacketRays; ++lane) {
+    const auto& turn = disc.turns[std::size_t(turn_of_pixel(x[lane], y[lane]))];
+    cosine[lane] = turn[0], sine[lane] = turn[1];
+  }
+  for (int sample = 0; sample < disc.samples; ++sample) {
+    sample_lamp(scene, cosine, sine, sample, points);
     shadow_rays(places, points, wanted, rays);
     scene.shapes->passing(rays, one);
     for (int lane = 0; lane < kPacketRays; ++lane) sum[lane] += one[lane];
   }
-  for (int lane = 0; lane < kPacketRays; ++lane) {
-    part[lane] = sum[lane] / float(scene.disc.samples);
-  }
+  for (int lane = 0; lane < kPacketRays; ++lane) part[lane] = sum[lane] / float(disc.samples);
 }
 
 /// Replaces places on the globe by those of shapes before it.
 void put_hits(const EyeScene& scene, const PacketHits& hits, const PacketRays& rays,
               PacketPlaces& places) {
+  for (float& lift : places.lift_mm.of) lift = kRetinaLiftMm;
+  if (hits.met == 0) return;
   for (int lane = 0; lane < kPacketRays; ++lane) {
-    places.lift_mm[lane] = kRetinaLiftMm;
     if (!has(hits.met, lane)) continue;
     const SurfaceFloats& surface = (*scene.surfaces)[std::size_t(hits.shape[lane])];
     const Vec3f direction = rays.direction[lane];
@@ -138,24 +147,30 @@ void begin(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y, Laye
 /// Adds a lit layer behind those before it, and goes on where something of the next is seen.
 void add_layer(const PacketLight& light, const LaneFloats& passing, const PacketHits& hits,
                const LaneFloats& distance, bool is_hard, Layers& layers, PacketPicture& picture) {
+  // Without branches, so that loops become vectors.
+  const std::uint32_t active = layers.rays.active;
+  const auto add = [&](LaneFloats& sum, const LaneFloats& lit, const LaneFloats& ambient) {
+    for (int lane = 0; lane < kPacketRays; ++lane) {
+      const float seen = layers.clear[lane] * (lit[lane] * passing[lane] + ambient[lane]);
+      sum[lane] += has(active, lane) ? seen : 0.0f;
+    }
+  };
+  add(picture.colour.red, light.lit.red, light.ambient.red);
+  add(picture.colour.green, light.lit.green, light.ambient.green);
+  add(picture.colour.blue, light.lit.blue, light.ambient.blue);
+  const float levels = is_hard ? 4 : 0;
   std::uint32_t open = 0;
   for (int lane = 0; lane < kPacketRays; ++lane) {
-    if (!has(layers.rays.active, lane)) continue;
-    const bool is_hit = has(hits.met, lane);
-    const float clear = layers.clear[lane], part = passing[lane];
-    const auto add = [&](LaneFloats& sum, const LaneFloats& lit, const LaneFloats& ambient) {
-      sum[lane] += clear * (lit[lane] * part + ambient[lane]);
-    };
-    add(picture.colour.red, light.lit.red, light.ambient.red);
-    add(picture.colour.green, light.lit.green, light.ambient.green);
-    add(picture.colour.blue, light.lit.blue, light.ambient.blue);
-    layers.clear[lane] *= 1 - light.opacity[lane];
-    layers.reached_mm[lane] = distance[lane];
-    const auto shape = std::uint32_t(is_hit ? hits.shape[lane] + 2 : 1);
-    const auto level = std::uint32_t(is_hard ? int(part * 4 + 0.5f) : 0);
-    picture.key[lane] = (picture.key[lane] * 257 + shape) * 8 + level;
+    const bool is_active = has(active, lane), is_hit = has(hits.met, lane);
+    const float clear = layers.clear[lane] * (1 - light.opacity[lane]);
+    layers.clear[lane] = is_active ? clear : layers.clear[lane];
+    layers.reached_mm[lane] = is_active ? distance[lane] : layers.reached_mm[lane];
     layers.rays.near[lane] = distance[lane] + kNextLayerMm;
-    if (is_hit && layers.clear[lane] > 0.004f) open |= 1u << lane;
+    const auto shape = std::uint32_t(is_hit ? hits.shape[lane] + 2 : 1);
+    const auto level = std::uint32_t(int(passing[lane] * levels + 0.5f));
+    const std::uint32_t key = (picture.key[lane] * 257 + shape) * 8 + level;
+    picture.key[lane] = is_active ? key : picture.key[lane];
+    open |= std::uint32_t(is_active & is_hit & (clear > 0.004f)) << lane;
   }
   layers.rays.active = open;
 }

@@ -32,6 +32,7 @@ struct SceneShape {
   RTCScene scene = nullptr;
   RTCGeometry instance = nullptr;
   bool has_triangles = false;
+  CasterBox box{{}, {}};
   std::vector<Vec3f> corner_normals;
 };
 
@@ -87,16 +88,18 @@ void first_hits_of(const PacketRays& rays, int first, const Trace& trace, Packet
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   trace(valid, &context, &packet);
+  std::uint32_t met = 0;
   for (int n = 0; n < count; ++n) {
-    const int lane = first + n;
-    if (valid[n] == 0 || packet.hit.geomID[n] == RTC_INVALID_GEOMETRY_ID) continue;
-    hits.met |= 1u << lane;
-    hits.distance[lane] = packet.ray.tfar[n];
-    hits.shape[lane] = int(packet.hit.instID[0][n]);
-    hits.triangle[lane] = int(packet.hit.primID[n]);
-    hits.u[lane] = packet.hit.u[n];
-    hits.v[lane] = packet.hit.v[n];
+    const bool is_met = (valid[n] != 0) & (packet.hit.geomID[n] != RTC_INVALID_GEOMETRY_ID);
+    met |= std::uint32_t(is_met) << n;
   }
+  hits.met |= met << first;
+  if (met == 0) return;
+  std::memcpy(hits.distance.of + first, packet.ray.tfar, sizeof packet.ray.tfar);
+  std::memcpy(hits.shape + first, packet.hit.instID[0], sizeof packet.hit.instID[0]);
+  std::memcpy(hits.triangle + first, packet.hit.primID, sizeof packet.hit.primID);
+  std::memcpy(hits.u.of + first, packet.hit.u, sizeof packet.hit.u);
+  std::memcpy(hits.v.of + first, packet.hit.v, sizeof packet.hit.v);
 }
 
 // Without the flag for coherent rays: with it, occlusion among instances never returned (Embree
@@ -112,10 +115,15 @@ void passing_of(const PacketRays& rays, int first, const Trace& trace, LaneFloat
   dimming.context.flags = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   dimming.steps = steps;
   trace(valid, &dimming.context, &packet);
+  std::int32_t dimmed_by = 0;
+  float dimmed = 1;
   for (int n = 0; n < count; ++n) {
     const int lane = first + n;
+    if (steps[lane] != dimmed_by) {
+      dimmed_by = steps[lane];
+      dimmed = std::exp2(-float(dimmed_by) / float(kDimSteps));
+    }
     const bool is_blocked = valid[n] != 0 && packet.tfar[n] < 0;
-    const float dimmed = steps[lane] == 0 ? 1 : std::exp2(-float(steps[lane]) / float(kDimSteps));
     part[lane] = is_blocked ? 0.0f : dimmed;
   }
 }
@@ -143,7 +151,8 @@ struct ShapeScene::Impl {
   RTCDevice device = nullptr;
   RTCScene seen = nullptr, casters = nullptr;
   std::vector<std::unique_ptr<SceneShape>> shapes;
-  bool has_16 = false;  // rays natively
+  std::vector<CasterBox> caster_boxes;  // as of the last commit
+  bool has_16 = false;                  // rays natively
   bool is_changed = false, has_casters = false;
 
   void require_no_error() const {
@@ -197,6 +206,7 @@ void ShapeScene::shape(int number, const std::vector<Vec3d>& vertices_mm,
   SceneShape& shape = *m_impl->shapes.at(std::size_t(number));
   if (shape.has_triangles) rtcDetachGeometry(shape.scene, 0);
   shape.has_triangles = !triangles.empty();
+  shape.box = CasterBox(vertices_mm, shape.motion);
   shape.corner_normals = corner_normals(vertices_mm, triangles, crease_degrees);
   m_impl->is_changed = true;
   if (shape.has_triangles) {
@@ -231,6 +241,7 @@ void ShapeScene::shape(int number, const std::vector<Vec3d>& vertices_mm,
 void ShapeScene::place(int number, const ShapeMotion& motion) {
   SceneShape& shape = *m_impl->shapes.at(std::size_t(number));
   shape.motion = motion;
+  shape.box.move(motion);
   const float columns[12] = {motion.x.x, motion.x.y,      motion.x.z,      motion.y.x,
                              motion.y.y, motion.y.z,      motion.z.x,      motion.z.y,
                              motion.z.z, motion.origin.x, motion.origin.y, motion.origin.z};
@@ -242,9 +253,12 @@ void ShapeScene::place(int number, const ShapeMotion& motion) {
 void ShapeScene::commit() {
   if (!m_impl->is_changed) return;
   m_impl->has_casters = false;
+  m_impl->caster_boxes.clear();
   for (const auto& shape : m_impl->shapes) {
-    m_impl->has_casters |= shape->has_triangles && m_impl->casts(*shape);
     if (!shape->has_triangles) rtcDisableGeometry(shape->instance);
+    if (!shape->has_triangles || !m_impl->casts(*shape)) continue;
+    m_impl->has_casters = true;
+    m_impl->caster_boxes.push_back(shape->box);
   }
   rtcCommitScene(m_impl->seen);
   rtcCommitScene(m_impl->casters);
@@ -275,6 +289,16 @@ Vec3f ShapeScene::normal(const PacketHits& hits, int lane) const {
   const Vec3f mixed = corners[0] * (1 - u - v) + corners[1] * u + corners[2] * v;
   const Vec3f turned = shape.motion.turned(mixed);
   return turned / std::max(turned.length(), 1e-20f);
+}
+
+bool ShapeScene::may_shade(const PacketPlaces& places, std::uint32_t wanted, const Vec3f& light,
+                           float reach_mm) const {
+  if (!m_impl->has_casters) return false;
+  const WideSegment segment = segment_between(places, wanted, light, reach_mm);
+  for (const CasterBox& box : m_impl->caster_boxes) {
+    if (box.may_meet(segment)) return true;
+  }
+  return false;
 }
 
 void ShapeScene::passing(const PacketRays& rays, LaneFloats& part) const {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "raycast/microscope/caster_box.h"
 #include "raycast/microscope/packet.h"
 #include "raycast/microscope/shape_normals.h"
 
@@ -15,12 +16,6 @@ namespace supple {
 struct ShapeShadow {
   bool blocks = true;
   double dims = 1;  // where it does not block
-};
-
-/// Columns of a motion of a shape, in floats as rays have them.
-struct ShapeMotion {
-  Vec3f x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1}, origin{0, 0, 0};
-  Vec3f turned(const Vec3f& v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
 class ShapeScene {
@@ -45,6 +40,10 @@ class ShapeScene {
   void first_hits(const PacketRays& rays, PacketHits& hits) const;
   /// Smooth unit normal of a hit, in the world.
   Vec3f normal(const PacketHits& hits, int lane) const;
+  /// False where nothing can stand between any of the wanted places and what lies within `reach_mm`
+  /// of the light: most places of an eye need no rays for their shadows.
+  bool may_shade(const PacketPlaces& places, std::uint32_t wanted, const Vec3f& light,
+                 float reach_mm) const;
   /// Part of light that passes along each ray, 0 … 1.
   void passing(const PacketRays& rays, LaneFloats& part) const;
 
