@@ -103,6 +103,56 @@ TEST(PropertyMicroscopeLight, ASheetOfOpacityShowsItsPartOfWhatIsBehind) {
   EXPECT_NEAR(light_at(picture, 81, 62), 0.49 * 0.8 * grey_albedo(), 0.01);
 }
 
+TEST(PropertyMicroscopeLight, AThinSheetMirrorsByItsOpacityWhichGrowsWithItsWayThrough) {
+  const auto mirrored = [](double opacity, double slant_degrees) {
+    Microscope microscope;
+    LampLight lamp = aside_lamp();
+    lamp.place_mm = {5 * std::sin(2 * slant_degrees * kRadiansPerDegree), 0,
+                     5 * std::cos(2 * slant_degrees * kRadiansPerDegree)};
+    lamp.direction = -lamp.place_mm.normalized();
+    microscope.set_lamp(lamp);
+    SurfaceLook film;
+    film.rgb = {0, 0, 0}, film.specular = 0.1, film.casts_shadow = false;
+    film.opacity = opacity;
+    SoftSheet sheet = flat_sheet(3, 0);
+    for (Vec3d& v : sheet.vertices) v.z = -v.x * std::tan(slant_degrees * kRadiansPerDegree);
+    microscope.reshape(microscope.add_soft(film), sheet.vertices, sheet.triangles);
+    MicroscopeSettings settings = small_picture();
+    settings.ambient = 0;
+    return light_at(microscope.draw(eye_camera(), settings), 80, 60);
+  };
+  for (const double slant_degrees : {0.0, 20.0, 40.0}) {
+    const double whole = mirrored(1, slant_degrees);
+    EXPECT_GT(whole, 0.5);
+    const double way = 1 / std::cos(slant_degrees * kRadiansPerDegree);
+    for (const double opacity : {0.12, 0.5}) {
+      EXPECT_NEAR(mirrored(opacity, slant_degrees) / whole, 1 - std::pow(1 - opacity, way), 0.01);
+    }
+  }
+}
+
+TEST(PropertyMicroscopeLight, AVeilAtRestIsFaintAndShowsTheContrastOfTheRetina) {
+  const auto lit = [](std::uint8_t grey, bool has_veil) {
+    Microscope microscope;
+    GlobeLook globe = grey_globe();
+    globe.fundus.texels = {{grey, grey, grey}};
+    microscope.set_globe(globe);
+    microscope.set_lamp(aside_lamp());
+    SurfaceLook film;
+    film.opacity = 0.12, film.specular = 0.5, film.shininess = 60, film.casts_shadow = false;
+    SoftSheet sheet = flat_sheet(2.5, 0, 40);
+    for (Vec3d& v : sheet.vertices) v.z = -std::sqrt(10.98 * 10.98 - v.x * v.x - v.y * v.y);
+    const int soft = microscope.add_soft(film);
+    if (has_veil) microscope.reshape(soft, sheet.vertices, sheet.triangles);
+    return light_at(microscope.draw(eye_camera(), small_picture()), 82, 58);
+  };
+  const double bright = lit(170, false), dark = lit(90, false);
+  const double veiled_bright = lit(170, true), veiled_dark = lit(90, true);
+  EXPECT_NEAR(veiled_bright - veiled_dark, 0.88 * (bright - dark), 0.01);
+  EXPECT_GT(veiled_dark, dark);
+  EXPECT_LT(veiled_dark - 0.88 * dark, 0.25);
+}
+
 TEST(PropertyMicroscopeLight, SoftShadowsAreDarkInTheMiddleAndGradedAtTheEdge) {
   Microscope microscope;
   microscope.set_globe(grey_globe());
