@@ -152,6 +152,34 @@ TEST_F(PropertyFilm, AFrameIsTheSceneWithTheHandleAtItsPose) {
   EXPECT_FALSE(std::filesystem::exists(m_folder / "film/s_02.vdb"));
 }
 
+TEST_F(PropertyFilm, AMeshBodyIsWhereItsPathHasItInEachFrame) {
+  write_text(m_folder / "probe.obj", "v 8 -4 14\nv 13 -4 14\nv 8 -4 20\nf 1 2 3\n");
+  const auto write_path = [&](const std::string& last) {
+    write_scene("film.toml",
+                "[film]\ntimes = \"frames\"\nframes = 2\n[[body]]\nname = \"probe\"\n"
+                "path = \"probe.obj\"\n[[step]]\nbody = \"probe\"\nframe = \"lps\"\n"
+                "grab_ball = [8, -4, 14]\nradius = 20\n"
+                "path = [{ time = 0, by = [0, 0, 0] }, { time = 1, by = [" +
+                    last +
+                    "] }]\n[[view]]\n"
+                    "image = \"f_%02d.png\"\nsize = [48, 40]\n");
+  };
+  const auto looks_as = [&](const std::string& a, const std::string& b) {
+    const Outcome outcome = run_supple({"compare", m_folder / a, m_folder / b, "--max-diff", "0"});
+    EXPECT_LE(outcome.exit_code, 1) << outcome.err;
+    return outcome.exit_code == 0;
+  };
+  write_path("5, 0, 6");
+  const Outcome film = run("film");
+  ASSERT_EQ(film.exit_code, 0) << film.err;
+  ASSERT_EQ(run("alone", {"--frames", "1"}).exit_code, 0);
+  EXPECT_FALSE(looks_as("film/f_01.png", "film/f_00.png"));
+  EXPECT_TRUE(looks_as("film/f_01.png", "alone/f_01.png"));
+  write_path("0, 0, 0");
+  ASSERT_EQ(run("still").exit_code, 0);
+  EXPECT_TRUE(looks_as("still/f_01.png", "film/f_00.png"));
+}
+
 TEST_F(PropertyFilm, FramesOfAnotherSceneAreNotContinued) {
   write_film();
   ASSERT_EQ(run("out", {"--frames", "0:1"}).exit_code, 0);
