@@ -98,6 +98,8 @@ struct Vitreous::Impl {
   std::vector<Ball> balls;
   std::vector<SlotSet::Brick> moved;
   std::vector<Slot> removed;
+  std::int64_t steps = 0;
+  std::vector<std::int64_t> changed;  // per brick: the last step that did
   mutable DensityGrid density;
   mutable bool is_density_old = false;
 
@@ -113,6 +115,7 @@ Vitreous::Impl::Impl(const VitreousSetup& setup, const Vec3d& centre_mm, std::ui
   const BrickTopology& elements = body.elements;
   for (std::size_t b = 0; b < elements.brick_count(); ++b) left.push_back(elements.mask(b));
   left_count = elements.active_count();
+  changed.assign(elements.brick_count(), 0);
   balls.resize(elements.brick_count());
   parallel_for(balls.size(), [&](std::size_t b) { find_ball(b); });
 }
@@ -278,6 +281,9 @@ VitreousReport Vitreous::step(const std::vector<ToolMotion>& tools,
   impl.moved = impl.pusher->changes();
   for (const SlotSet::Brick& brick : impl.moved) report.moved += mask_count(brick.mask);
   impl.remove(ports_of(tools, instruments));
+  ++impl.steps;
+  for (const SlotSet::Brick& brick : impl.moved) impl.changed[brick.brick] = impl.steps;
+  for (const Slot slot : impl.removed) impl.changed[slot / kBrickVoxels] = impl.steps;
   report.removed = std::int64_t(impl.removed.size());
   return report;
 }
@@ -313,6 +319,22 @@ const std::vector<SlotSet::Brick>& Vitreous::moved() const {
 
 const std::vector<Slot>& Vitreous::removed() const {
   return m_impl->removed;
+}
+
+const BrickMask& Vitreous::left(std::size_t brick) const {
+  return m_impl->left[brick];
+}
+
+std::int64_t Vitreous::steps() const {
+  return m_impl->steps;
+}
+
+std::vector<std::size_t> Vitreous::changed_since(std::int64_t step) const {
+  std::vector<std::size_t> list;
+  for (std::size_t b = 0; b < m_impl->changed.size(); ++b) {
+    if (m_impl->changed[b] > step) list.push_back(b);
+  }
+  return list;
 }
 
 std::string Vitreous::state_bytes() const {

@@ -61,6 +61,12 @@ class Vitreous {
   /// Elements that the last step moved, by bricks of body().elements, and those that it removed.
   const std::vector<SlotSet::Brick>& moved() const;
   const std::vector<Slot>& removed() const;
+  /// Elements of a brick that are left.
+  const BrickMask& left(std::size_t brick) const;
+  /// Steps that were made, and bricks of which elements were moved or removed after the first
+  /// `step` of them: for pictures that do not follow each step.
+  std::int64_t steps() const;
+  std::vector<std::size_t> changed_since(std::int64_t step) const;
   std::string state_bytes() const;
 
  private:

@@ -9,7 +9,6 @@
 #include "volumes/base/error.h"
 #include "volumes/base/parallel.h"
 #include "volumes/base/units.h"
-#include "volumes/field/inversion/invert.h"
 
 namespace supple {
 
@@ -66,7 +65,6 @@ struct DeformedHaze::Impl {
   Geometry geometry;
   HazeNodes nodes;
   LampLight lamp;
-  std::unique_ptr<IncrementalInversion> inversion;
 };
 
 HazeLight DeformedHaze::Impl::light_now() const {
@@ -133,29 +131,10 @@ void DeformedHaze::set_body(const Geometry& geometry, const DensityGrid& density
   check_geometry(geometry);
   m_impl->geometry = geometry;
   m_impl->nodes = HazeNodes(geometry.dims(), density, m_impl->look.largest_density);
-  m_impl->inversion.reset();
 }
 
-void DeformedHaze::update(const Displacement& displacement,
-                          const std::vector<std::int32_t>& changed) {
-  Impl& impl = *m_impl;
-  if (impl.inversion) {
-    impl.nodes.follow(impl.inversion->update(displacement, changed), impl.inversion->finder());
-    return;
-  }
-  impl.inversion = std::make_unique<IncrementalInversion>(displacement);
-  std::vector<Vec3i> origins;
-  const Vec3i& dims = impl.geometry.dims();
-  for (int x = 0; x < dims.x; x += kBrickDim) {
-    for (int y = 0; y < dims.y; y += kBrickDim) {
-      for (int z = 0; z < dims.z; z += kBrickDim) origins.emplace_back(x, y, z);
-    }
-  }
-  impl.nodes.follow(origins, impl.inversion->finder());
-}
-
-void DeformedHaze::remove(const std::vector<Vec3i>& voxels) {
-  m_impl->nodes.remove(voxels);
+void DeformedHaze::update(const std::vector<HazeElements>& bricks) {
+  m_impl->nodes.follow(bricks);
 }
 
 void DeformedHaze::set_light(const LampLight& lamp) {

@@ -2,18 +2,19 @@
 // section 3.3.5) of a source that deforms and loses voxels while it is watched.
 //
 // Light of the lamp's cone and ambient light are scattered once towards the eye (emission and
-// absorption); the haze casts no shadow in itself. Offsets follow the displacement locally: cells
-// that changed are inverted again (volumes/field/inversion), and the nodes that they reach are
-// packed anew. Densities are kept in 8 bits, offsets in 1/32 voxel up to 15.9 voxels; what came
-// from farther is not drawn. Memory: 9 bytes per voxel of the box, and the inversion's. Cost of a
-// draw: haze_lanes.h.
+// absorption); the haze casts no shadow in itself. Offsets follow the elements locally: where some
+// went on or are gone, the nodes that they reach are solved by fixed-point iteration, without the
+// certificate of an inversion (volumes/field/inversion), which a haze does not need. Densities are
+// kept in 8 bits, ways and offsets in 1/32 voxel up to 15.9 voxels. Memory: 13 bytes per voxel of
+// the box. Cost of a draw: haze_lanes.h.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "raycast/microscope/microscope.h"
-#include "volumes/field/offset_field.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple {
@@ -28,6 +29,14 @@ struct HazeLook {
   double step_voxels = 1.0;  // between samples, at most
 };
 
+/// The elements of a brick of the source: which of them are left, and the ways that they went from
+/// rest, 512 along each axis in 2^-16 voxel.
+struct HazeElements {
+  Vec3i origin;
+  BrickMask left;
+  std::array<const std::int32_t*, 3> ways;
+};
+
 class DeformedHaze final : public HazeLayer {
  public:
   explicit DeformedHaze(const HazeLook& look = {});
@@ -36,12 +45,10 @@ class DeformedHaze final : public HazeLayer {
   /// Takes a body at rest. Throws InputError: a geometry whose axes are not perpendicular or not
   /// evenly spaced, fewer than two voxels along an axis, a look that is not positive.
   void set_body(const Geometry& geometry, const DensityGrid& density);
-  /// Follows a displacement of the body, always of the same voxels; `changed` lists, each once, the
-  /// bricks of its topology whose vectors may differ from those of the last call. Throws as
-  /// IncrementalInversion.
-  void update(const Displacement& displacement, const std::vector<std::int32_t>& changed);
-  /// Voxels of the source that are void from now on.
-  void remove(const std::vector<Vec3i>& voxels);
+  /// Follows the elements of bricks, each of them once, at least of those that changed since the
+  /// last call. What is gone does not come back. Needs ways whose gradient is below 1 as links keep
+  /// it; elements that no longer hang together may pass through each other.
+  void update(const std::vector<HazeElements>& bricks);
   void set_light(const LampLight& lamp);
 
   /// Linear, premultiplied. `depths` has the size of the picture; same bits for any number of

@@ -61,14 +61,14 @@ HWY_INLINE HWY_ATTR VF density_at(const HazeTables& tables, const HazeCells& cel
   return mix(mix(a0, a1, cells.f.y), mix(b0, b1, cells.f.y), cells.f.x);
 }
 
-/// Offsets interpolated between the nodes that know one, and these nodes' part.
+/// Vectors interpolated between the nodes that know one, and these nodes' part.
 struct Offsets {
   FloatVector along;
   VF known;
 };
 
-HWY_INLINE HWY_ATTR Offsets offsets_at(const HazeTables& tables, const HazeCells& cells) {
-  const std::int32_t* packed = as_ints(tables.offsets);
+HWY_INLINE HWY_ATTR Offsets offsets_at(const std::int32_t* packed, const HazeTables& tables,
+                                       const HazeCells& cells) {
   const VF one = floats(1), nothing = floats(0);
   const VI low = ints(2 * packed_offset::kMiddle - 1);
   Offsets sum{{nothing, nothing, nothing}, nothing};
@@ -129,7 +129,7 @@ HWY_INLINE HWY_ATTR VF haze_at(const HazeTables& tables, const FloatVector& p, M
   MF reads = hn::RebindMask(kFloats, visible);
   const MF moved = hn::RebindMask(kFloats, hn::Gt(brick, ints(std::int32_t(HazeBrick::resting))));
   if (!hn::AllFalse(kFloats, moved)) {
-    const Offsets o = offsets_at(tables, cells);
+    const Offsets o = offsets_at(as_ints(tables.offsets), tables, cells);
     const FloatVector source = {hn::Add(p.x, hn::IfThenElseZero(moved, o.along.x)),
                                 hn::Add(p.y, hn::IfThenElseZero(moved, o.along.y)),
                                 hn::Add(p.z, hn::IfThenElseZero(moved, o.along.z))};
@@ -178,6 +178,76 @@ HWY_ATTR void march_haze_impl(const HazeTables& tables, const HazeLight& light, 
   }
 }
 
+HWY_INLINE HWY_ATTR VF component_of(VI shifted) {
+  const VI field = hn::And(shifted, ints(2 * packed_offset::kMiddle - 1));
+  return hn::Mul(hn::ConvertTo(kFloats, hn::Sub(field, ints(packed_offset::kMiddle))),
+                 floats(packed_offset::kUnit));
+}
+
+HWY_INLINE HWY_ATTR VI packed_component(VF component) {
+  const VF limited = hn::Min(hn::Max(component, floats(-packed_offset::kLargest)),
+                             floats(packed_offset::kLargest));
+  return hn::Add(hn::NearestInt(hn::Mul(limited, floats(1 / packed_offset::kUnit))),
+                 ints(packed_offset::kMiddle));
+}
+
+HWY_INLINE HWY_ATTR VF largest_of(const FloatVector& v) {
+  return hn::Max(hn::Abs(v.x), hn::Max(hn::Abs(v.y), hn::Abs(v.z)));
+}
+
+/// Offsets of lanes of nodes, packed.
+HWY_INLINE HWY_ATTR VI solved_offsets(const HazeTables& tables, VI node, const FloatVector& p) {
+  constexpr int kRounds = 12;
+  constexpr float kSame = 1 / 64.0f, kNear = 0.25f;  // voxels
+  const VI start = hn::GatherIndex(kInts, as_ints(tables.offsets), node);
+  FloatVector o = {component_of(hn::ShiftRight<2>(start)), component_of(hn::ShiftRight<12>(start)),
+                   component_of(hn::ShiftRight<22>(start))};
+  VF change = floats(0), known = floats(0);
+  for (int round = 0; round < kRounds; ++round) {
+    const FloatVector source = {hn::Add(p.x, o.x), hn::Add(p.y, o.y), hn::Add(p.z, o.z)};
+    const Offsets u = offsets_at(as_ints(tables.ways), tables, cells_at(tables, source));
+    known = u.known;
+    // Lanes in the void stay where they are.
+    const MF finds = hn::Gt(known, floats(0));
+    const FloatVector by = {hn::IfThenElseZero(finds, hn::Add(o.x, u.along.x)),
+                            hn::IfThenElseZero(finds, hn::Add(o.y, u.along.y)),
+                            hn::IfThenElseZero(finds, hn::Add(o.z, u.along.z))};
+    o = {hn::Sub(o.x, by.x), hn::Sub(o.y, by.y), hn::Sub(o.z, by.z)};
+    change = largest_of(by);
+    if (hn::AllTrue(kFloats, hn::Le(change, floats(kSame)))) break;
+  }
+  const MF fits = hn::And(hn::Lt(change, floats(kNear)),
+                          hn::Lt(largest_of(o), floats(packed_offset::kLargest)));
+  const MF is_known = hn::And(fits, hn::Gt(known, floats(0)));
+  const VI packed = hn::Or(
+      hn::Or(hn::ShiftLeft<2>(packed_component(o.x)), hn::ShiftLeft<12>(packed_component(o.y))),
+      hn::Or(hn::ShiftLeft<22>(packed_component(o.z)), ints(std::int32_t(packed_offset::kKnown))));
+  return hn::IfThenElse(hn::RebindMask(kInts, is_known), packed,
+                        ints(std::int32_t(packed_offset::kRest)));
+}
+
+HWY_ATTR void solve_offsets_impl(HazeTables& tables, const std::uint32_t* nodes, int count) {
+  const int lanes = int(hn::Lanes(kFloats));
+  alignas(64) std::int32_t of_lanes[kMostLanes], solved[kMostLanes];
+  alignas(64) float place[3][kMostLanes];
+  for (int at = 0; at < count; at += lanes) {
+    for (int lane = 0; lane < lanes; ++lane) {
+      const int node = int(nodes[std::min(at + lane, count - 1)]);
+      const int row = node / tables.dims.z;
+      of_lanes[lane] = node;
+      place[0][lane] = float(row / tables.dims.y);
+      place[1][lane] = float(row % tables.dims.y);
+      place[2][lane] = float(node % tables.dims.z);
+    }
+    const FloatVector p = {hn::Load(kFloats, place[0]), hn::Load(kFloats, place[1]),
+                           hn::Load(kFloats, place[2])};
+    hn::Store(solved_offsets(tables, hn::Load(kInts, of_lanes), p), kInts, solved);
+    for (int lane = 0; lane < std::min(lanes, count - at); ++lane) {
+      tables.offsets[nodes[at + lane]] = std::uint32_t(solved[lane]);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace supple
@@ -187,6 +257,11 @@ HWY_AFTER_NAMESPACE();
 namespace supple {
 
 HWY_EXPORT(march_haze_impl);
+HWY_EXPORT(solve_offsets_impl);
+
+void solve_offsets(HazeTables& tables, const std::uint32_t* nodes, int count) {
+  HWY_DYNAMIC_DISPATCH(solve_offsets_impl)(tables, nodes, count);
+}
 
 void march_haze(const HazeTables& tables, const HazeLight& light, HazeRays& rays) {
   HWY_DYNAMIC_DISPATCH(march_haze_impl)(tables, light, rays);

@@ -1,11 +1,14 @@
-// The nodes of a deformed haze as its rays read them: densities of the source and packed offsets,
-// kept up to date brick by brick.
+// The nodes of a deformed haze as its rays read them: densities of the source, ways of its elements
+// and packed offsets, kept up to date where elements went on or are gone.
+//
+// Ways below half of 1/32 voxel change nothing. What did change marks the nodes around its old and
+// its new place, and only these are solved anew: no inversion, and no certificate of one.
 #pragma once
 
 #include <vector>
 
+#include "raycast/microscope/deformed_haze.h"
 #include "raycast/microscope/haze_lanes.h"
-#include "volumes/field/offset_field.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple {
@@ -16,28 +19,22 @@ class HazeNodes {
   /// At rest; `largest` density is 255.
   HazeNodes(const Vec3i& dims, const DensityGrid& density, double largest);
 
-  /// Takes over the offsets in the bricks at these origins.
-  void follow(const std::vector<Vec3i>& origins, const VectorBrickFinder& offsets);
-  void remove(const std::vector<Vec3i>& voxels);
+  void follow(const std::vector<HazeElements>& bricks);
   const HazeTables& tables() const { return m_tables; }
 
  private:
-  struct Range {
-    Vec3i lo, hi;  // hi is beyond
+  struct Change {
+    std::uint32_t node, before, now;  // of the source; packed ways
   };
-  Range nodes_of(const Vec3i& origin) const;
-  void take_offsets(const Vec3i& origin, const VectorBrickView& view);
-  void extend_offsets(const Vec3i& origin);
-  void find_kind(const Vec3i& origin);
-  std::uint32_t mean_around(const Vec3i& node) const;
-  std::uint8_t own_in(int x, int y, int z_eighth) const;
-  std::uint8_t& own_row(int x, int y, int z_eighth);
+  std::vector<Change> changes_of(const HazeElements& brick) const;
+  void mark_around(std::uint32_t node, std::uint32_t way, bool starts_there);
+  void find_kind(std::size_t brick);
   void set_density(const Vec3i& voxel, std::uint32_t density);
+  Vec3i voxel_at(std::uint32_t node) const;
 
   HazeTables m_tables;
-  int m_eighths = 0;  // of rows along z
-  /// Nodes with an offset by the inversion: bit z % 8 of byte z / 8 of the rows in x and y.
-  std::vector<std::uint8_t> m_own;
+  std::vector<std::uint8_t> m_is_marked;  // per node
+  std::vector<std::uint32_t> m_marked;    // nodes
 };
 
 }  // namespace supple

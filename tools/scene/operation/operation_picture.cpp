@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lib/state/pose.h"
 #include "raycast/scene/stereo.h"
 #include "volumes/base/units.h"
 
@@ -66,13 +65,12 @@ Image beside(const Image& left, const Image& right) {
   return both;
 }
 
-/// The vitreous as pictures sample it, with all of its displacement that they have followed.
+/// The vitreous as pictures sample it, and the last of its steps that they have followed.
 struct OperationPicture::Haze {
   DeformedHaze layer;
-  LiveDisplacement displacement;
+  std::int64_t step = 0;
 
-  explicit Haze(const Vitreous& vitreous)
-      : displacement(vitreous.geometry(), vitreous.body().elements, vitreous.body().elements) {
+  explicit Haze(const Vitreous& vitreous) {
     layer.set_body(vitreous.geometry(), vitreous.density());
   }
 };
@@ -139,12 +137,16 @@ LampLight OperationPicture::lamp_of(const Operation& operation) const {
 }
 
 void OperationPicture::follow_vitreous(const Vitreous& vitreous) {
-  m_haze->layer.update(m_haze->displacement.displacement(),
-                       m_haze->displacement.update(vitreous.body().q));
-  std::vector<Vec3i> removed;
-  for (const Slot slot : vitreous.removed())
-    removed.push_back(voxel_of(vitreous.body().elements, slot));
-  m_haze->layer.remove(removed);
+  const Body& body = vitreous.body();
+  std::vector<HazeElements> bricks;
+  for (const std::size_t b : vitreous.changed_since(m_haze->step)) {
+    bricks.push_back(
+        {body.elements.origin(b),
+         vitreous.left(b),
+         {body.q[0].brick_or_zero(b), body.q[1].brick_or_zero(b), body.q[2].brick_or_zero(b)}});
+  }
+  m_haze->step = vitreous.steps();
+  m_haze->layer.update(bricks);
 }
 
 void OperationPicture::follow(const Operation& operation, const std::vector<TaskBall>& balls) {
