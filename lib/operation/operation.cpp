@@ -138,7 +138,7 @@ Operation::Impl::Impl(const OperationSetup& given) : setup(given), obstacles(giv
     sample.clinging_mm2 += membranes.back().clinging_mm2();
   }
   if (setup.vitreous) {
-    vitreous = std::make_unique<Vitreous>(*setup.vitreous, Vec3d(0.0), setup.seed);
+    vitreous = std::make_unique<Vitreous>(*setup.vitreous, Vec3d(0.0), setup.seed, obstacles);
   }
 }
 

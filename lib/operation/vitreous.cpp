@@ -72,7 +72,8 @@ std::vector<PortReach> ports_of(const std::vector<ToolMotion>& tools,
 }  // namespace
 
 struct Vitreous::Impl {
-  Impl(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed);
+  Impl(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed,
+       const std::vector<Obstacle>& outside);
 
   Vec3d place_mm(std::size_t b, int offset) const;
   bool is_near(std::size_t b, const RoundCone& cone) const {
@@ -106,9 +107,10 @@ struct Vitreous::Impl {
   void find_ball(std::size_t b);
 };
 
-Vitreous::Impl::Impl(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed)
+Vitreous::Impl::Impl(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed,
+                     const std::vector<Obstacle>& outside)
     : spacing_mm(setup.spacing_mm) {
-  VitreousAtRest start = make_vitreous(setup, centre_mm, seed);
+  VitreousAtRest start = make_vitreous(setup, centre_mm, seed, outside);
   body = std::move(start.body);
   density = all_density = start.density;
   pusher = std::make_unique<OneSidedPush>(body, start.shell);
@@ -243,8 +245,9 @@ void Vitreous::Impl::remove(const std::vector<PortReach>& ports) {
   is_density_old = is_density_old || !removed.empty();
 }
 
-Vitreous::Vitreous(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed)
-    : m_impl(std::make_unique<Impl>(setup, centre_mm, seed)) {}
+Vitreous::Vitreous(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed,
+                   const std::vector<Obstacle>& outside)
+    : m_impl(std::make_unique<Impl>(setup, centre_mm, seed, outside)) {}
 Vitreous::~Vitreous() = default;
 Vitreous::Vitreous(Vitreous&&) noexcept = default;
 

@@ -17,6 +17,7 @@
 #include "lib/body/body.h"
 #include "lib/body/slot_set.h"
 #include "lib/instruments/instrument.h"
+#include "lib/instruments/tool_contact.h"
 #include "volumes/grid/density_grid.h"
 
 namespace supple {
@@ -30,7 +31,7 @@ struct VitreousReport {
 
 struct VitreousSetup {
   double radius_mm = 10;                                 // of the ball that it fills
-  double spacing_mm = 0.35;                              // of voxels
+  double spacing_mm = 0.3;                               // of voxels
   double stretch = 1.3, compression = 0.7, shear = 0.3;  // limits of links
   double clears_mm = 1;  // it stays this far from the wall, where it is anchored
 };
@@ -39,8 +40,10 @@ Fields fields(VitreousSetup& setup);
 class Vitreous {
  public:
   /// Throws InputError: a setup outside its ranges, a ball of fewer than three voxels across or
-  /// more than 400.
-  Vitreous(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed);
+  /// more than 400. `outside`: surfaces from which it keeps its distance as from the wall, such as
+  /// a lens.
+  Vitreous(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed,
+           const std::vector<Obstacle>& outside = {});
   ~Vitreous();
   Vitreous(Vitreous&&) noexcept;
 

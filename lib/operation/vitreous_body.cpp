@@ -1,5 +1,6 @@
 #include "lib/operation/vitreous_body.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "lib/operation/vitreous_density.h"
@@ -11,7 +12,17 @@ namespace {
 
 constexpr double kMostVoxels = 400;  // across
 
-BrickTopology ball_of(const Vec3i& dims, double radius_voxels) {
+/// True where a place keeps its distance from all surfaces.
+bool is_free(const Vec3d& place_mm, double clears_mm, const std::vector<Obstacle>& outside) {
+  const RoundCone point{place_mm, place_mm, 0, 0};
+  return std::all_of(outside.begin(), outside.end(), [&](const Obstacle& obstacle) {
+    return approach(point, obstacle.surface).distance_mm >= clears_mm;
+  });
+}
+
+BrickTopology ball_of(const Geometry& geometry, double radius_voxels, double clears_mm,
+                      const std::vector<Obstacle>& outside) {
+  const Vec3i& dims = geometry.dims();
   std::vector<Vec3i> origins;
   std::vector<BrickMask> masks;
   const Vec3d centre = Vec3d(dims - Vec3i(1)) / 2.0;
@@ -21,7 +32,9 @@ BrickTopology ball_of(const Vec3i& dims, double radius_voxels) {
         BrickMask mask{};
         for (int n = 0; n < kBrickVoxels; ++n) {
           const Vec3d from = Vec3d(Vec3i(x, y, z) + brick_local(n)) - centre;
-          if (from.dot(from) <= radius_voxels * radius_voxels) mask_set(mask, n);
+          if (from.dot(from) > radius_voxels * radius_voxels) continue;
+          const Vec3d place = geometry.world_from_index(Vec3d(Vec3i(x, y, z) + brick_local(n)));
+          if (is_free(place, clears_mm, outside)) mask_set(mask, n);
         }
         origins.emplace_back(x, y, z);
         masks.push_back(mask);
@@ -84,11 +97,11 @@ Fields fields(VitreousSetup& setup) {
   };
 }
 
-VitreousAtRest make_vitreous(const VitreousSetup& setup, const Vec3d& centre_mm,
-                             std::uint64_t seed) {
+VitreousAtRest make_vitreous(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed,
+                             const std::vector<Obstacle>& outside) {
   const double radius = radius_in_voxels(setup);
   const Geometry geometry = geometry_of(setup, centre_mm);
-  const BrickTopology elements = ball_of(geometry.dims(), radius);
+  const BrickTopology elements = ball_of(geometry, radius, setup.clears_mm, outside);
   const Vec3d middle = Vec3d(geometry.dims() - Vec3i(1)) / 2.0;
   VitreousAtRest rest;
   rest.density = make_vitreous_density(elements, middle, radius, seed);

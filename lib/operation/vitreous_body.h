@@ -16,7 +16,7 @@ struct VitreousAtRest {
 };
 
 /// Throws InputError as the constructor of Vitreous does.
-VitreousAtRest make_vitreous(const VitreousSetup& setup, const Vec3d& centre_mm,
-                             std::uint64_t seed);
+VitreousAtRest make_vitreous(const VitreousSetup& setup, const Vec3d& centre_mm, std::uint64_t seed,
+                             const std::vector<Obstacle>& outside);
 
 }  // namespace supple
