@@ -144,6 +144,15 @@ HWY_INLINE HWY_ATTR VF haze_at(const HazeTables& tables, const FloatVector& p, M
   return hn::IfThenElseZero(reads, density_at(tables, cells));
 }
 
+/// Exponential of numbers up to 0; of small ones by its series.
+HWY_INLINE HWY_ATTR VF passed(VF x) {
+  if (!hn::AllTrue(kFloats, hn::Gt(x, floats(-0.2f)))) return hn::Exp(kFloats, x);
+  VF sum = hn::MulAdd(x, floats(1 / 24.0f), floats(1 / 6.0f));
+  sum = hn::MulAdd(x, sum, floats(0.5f));
+  sum = hn::MulAdd(x, sum, floats(1));
+  return hn::MulAdd(x, sum, floats(1));
+}
+
 HWY_INLINE HWY_ATTR void march_lanes(const HazeTables& tables, const HazeLight& light,
                                      HazeRays& rays, int at) {
   const FloatVector origin = {hn::Load(kFloats, rays.origin[0] + at),
@@ -164,7 +173,7 @@ HWY_INLINE HWY_ATTR void march_lanes(const HazeTables& tables, const HazeLight& 
                            hn::MulAdd(floats(n), step.z, origin.z)};
     const VF density = haze_at(tables, p, wanted);
     if (hn::AllFalse(kFloats, hn::Gt(density, floats(0)))) continue;
-    const VF left = hn::Mul(passes, hn::Exp(kFloats, hn::Mul(density, thickness)));
+    const VF left = hn::Mul(passes, passed(hn::Mul(density, thickness)));
     sum = hn::MulAdd(hn::Sub(passes, left), light_at(light, p), sum);
     passes = left;
   }
