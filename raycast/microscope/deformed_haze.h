@@ -6,7 +6,10 @@
 // went on or are gone, the nodes that they reach are solved by fixed-point iteration, without the
 // certificate of an inversion (volumes/field/inversion), which a haze does not need. Densities are
 // kept in 8 bits, ways and offsets in 1/32 voxel up to 15.9 voxels. Memory: 13 bytes per voxel of
-// the box. Cost of a draw: haze_lanes.h.
+// the box.
+//
+// Where pixels are small against voxels, only rays up to half a voxel apart are marched, and pixels
+// between them are interpolated if all end at like depths. Cost per marched sample: haze_lanes.h.
 #pragma once
 
 #include <array>
@@ -26,7 +29,7 @@ struct HazeLook {
   double ambient = 0.03;
   double lamp = 4.0;         // light of the lamp, beside its power
   double half_mm = 10;       // distance at which it has halved
-  double step_voxels = 1.0;  // between samples, at most
+  double step_voxels = 1.5;  // between samples, at most
 };
 
 /// The elements of a brick of the source: which of them are left, and the ways that they went from

@@ -97,10 +97,12 @@ HWY_INLINE HWY_ATTR Offsets offsets_at(const std::int32_t* packed, const HazeTab
 
 /// Light that reaches a place.
 HWY_INLINE HWY_ATTR VF light_at(const HazeLight& light, const FloatVector& p) {
+  // The source has a size: a cone's tip would be smaller than steps.
+  constexpr float kSource = 0.25f;
   if (!(light.power > 0)) return floats(light.ambient);
   const VF x = hn::Sub(p.x, floats(light.place.x)), y = hn::Sub(p.y, floats(light.place.y)),
            z = hn::Sub(p.z, floats(light.place.z));
-  const VF square = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, floats(1e-6f))));
+  const VF square = hn::MulAdd(x, x, hn::MulAdd(y, y, hn::MulAdd(z, z, floats(kSource))));
   const VF along =
       hn::MulAdd(x, floats(light.direction.x),
                  hn::MulAdd(y, floats(light.direction.y), hn::Mul(z, floats(light.direction.z))));
