@@ -8,9 +8,9 @@ namespace supple {
 
 namespace {
 
-constexpr float kGel = 6, kBase = 40;        // density of the gel, and more of it at the base
-constexpr float kFibril = 150, kClot = 210;  // at their middle
-constexpr int kFibrils = 70, kClots = 14;
+constexpr float kGel = 14, kBase = 40;      // density of the gel, and more of it at the base
+constexpr float kFibril = 120, kClot = 90;  // at their middle
+constexpr int kFibrils = 160, kClots = 8;
 constexpr double kBaseHeight = 0.55;  // of the base, in radii above the middle
 
 /// Numbers from 0 to 1, the same on all machines (SplitMix64).
@@ -76,7 +76,7 @@ void paint_fibril(DensityPainter& painter, Draws& draws, const Vec3d& centre, do
   const int steps = int(radius * (0.5 + draws.next()));
   const float height = kFibril * float(0.4 + 0.6 * draws.next());
   for (int n = 0; n < steps; ++n) {
-    painter.dab(place, 1.6, height);
+    painter.dab(place, 1.5, height);
     way = (way * 4.0 + draws.in_ball()).normalized();
     place += way;
   }
