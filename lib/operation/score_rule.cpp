@@ -26,7 +26,7 @@ struct DefaultRule {
 constexpr DefaultRule kDefaultRules[] = {
     {"touches", 0, 25, 75},     {"touch_force_n", 0.01, 250, 25}, {"bleeding_mm2", 0, 10, 50},
     {"torn_mm", 5, 2, 20},      {"time_s", 180, 0.2, 50},         {"path_mm", 150, 0.25, 50},
-    {"detour_mm", 10, 1, 50},   {"idle_s", 60, 0.2, 20},          {"task_part", 1, 100, 100},
+    {"detour_mm", 10, 2, 50},   {"idle_s", 60, 0.2, 20},          {"task_part", 1, 100, 100},
     {"targets_lost", 2, 2, 20}, {"tremor_mm", 0.12, 200, 50},     {"speed_mm_s", 25, 1, 20},
     {"empty_grips", 2, 5, 30},  {"turn_degrees", 15, 1, 20},      {"out_of_focus_mm", 2, 10, 40},
     {"unlit_s", 5, 1, 40},      {"zoom_changes", 5, 2, 10},
