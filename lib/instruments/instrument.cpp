@@ -61,7 +61,8 @@ void make_forceps(Instrument& tool, const InstrumentSetup& setup) {
               {{0, side * 0.4 * r, jaw + 0.4 * r}, 0.42 * r}},
              side);
   }
-  tool.grip = GripZone{{{0, 0, fine}, {0, 0, 0.35 * jaw}, 2 * fine, 2 * fine}, 6, 10};
+  // Tips take in a fold that is as wide as they stand apart.
+  tool.grip = GripZone{{{0, 0, 0}, {0, 0, 0.35 * jaw}, 3 * fine, 3 * fine}, 6, 10};
 }
 
 void make_vitrector(Instrument& tool, const InstrumentSetup& setup) {

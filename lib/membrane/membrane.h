@@ -105,7 +105,7 @@ class Membrane {
 };
 
 /// Circular sheet on a sphere about the direction `middle`, which faces the centre: nearly equal
-/// triangles of a regular lattice with at least `nodes` nodes, within the circle.
+/// triangles between rings of at least `nodes` nodes, the last of which are the rim.
 TriangleMesh membrane_on_sphere(const Vec3d& centre_mm, double radius_mm, const Vec3d& middle,
                                 double sheet_radius_mm, int nodes);
 

@@ -37,29 +37,21 @@ std::map<LinkNodes, int> sides_of(const std::vector<TriangleNodes>& triangles) {
   return sides;
 }
 
-/// Links in groups that share no nodes: a processor solves neighbours in a group at once.
-std::vector<LinkNodes> independent_first(const std::vector<LinkNodes>& links, std::size_t nodes) {
-  std::vector<std::vector<LinkNodes>> groups;
-  std::vector<std::vector<char>> is_taken;  // per group and node
-  for (const LinkNodes& link : links) {
-    std::size_t group = 0;
-    while (group < groups.size() && (is_taken[group][link[0]] || is_taken[group][link[1]])) ++group;
-    if (group == groups.size()) {
-      groups.emplace_back();
-      is_taken.emplace_back(nodes, 0);
-    }
-    groups[group].push_back(link);
-    is_taken[group][link[0]] = is_taken[group][link[1]] = 1;
-  }
+/// Links in an order whose neighbours lie far apart: a processor solves them at once.
+std::vector<LinkNodes> spread(const std::vector<LinkNodes>& links) {
+  constexpr std::size_t kAtOnce = 8;
+  const std::size_t part = (links.size() + kAtOnce - 1) / kAtOnce;
   std::vector<LinkNodes> ordered;
-  for (const auto& group : groups) ordered.insert(ordered.end(), group.begin(), group.end());
+  for (std::size_t n = 0; n < part; ++n) {
+    for (std::size_t at = n; at < links.size(); at += part) ordered.push_back(links[at]);
+  }
   return ordered;
 }
 
 void add_springs(Sheet& sheet, const MembraneParams& params) {
   const MeshBody& body = sheet.body;
   const std::map<LinkNodes, int> sides = sides_of(body.triangles);
-  for (const LinkNodes& link : independent_first(body.links, body.node_count())) {
+  for (const LinkNodes& link : spread(body.links)) {
     double area = 0;
     for (const LinkNodes& side : {link, LinkNodes{link[1], link[0]}}) {
       const auto found = sides.find(side);
