@@ -176,10 +176,15 @@ void add_layer(const PacketLight& light, const LaneFloats& passing, const Packet
 }
 
 /// Where each ray's layer lies: the shape that it meets, the globe, or nowhere.
-void find_layer(const EyeScene& scene, Layers& layers, PacketHits& hits, LaneFloats& distance) {
+void find_layer(const EyeScene& scene, bool meets_shapes, Layers& layers, PacketHits& hits,
+                LaneFloats& distance) {
+  hits.met = 0;
+  distance = layers.end_mm;
+  if (!meets_shapes) return;
   for (float& far : layers.rays.far.of) far += kSkinMm;
   scene.shapes->first_hits(layers.rays, hits);
   layers.rays.far = layers.end_mm;
+  if (hits.met == 0) return;
   for (int lane = 0; lane < kPacketRays; ++lane) {
     distance[lane] = has(hits.met, lane) ? hits.distance[lane] : layers.end_mm[lane];
   }
@@ -202,7 +207,7 @@ LampDisc lamp_disc(const Vec3d& direction, double radius_mm, int samples) {
 }
 
 void shade_packet(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y,
-                  PacketPicture& picture, ShadowClock* clock) {
+                  bool meets_shapes, PacketPicture& picture, ShadowClock* clock) {
   const auto started =
       clock != nullptr ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
   Layers layers;
@@ -212,7 +217,7 @@ void shade_packet(const EyeScene& scene, const LaneFloats& x, const LaneFloats& 
   PacketLight light;
   LaneFloats distance, passing;
   for (int n = 0; n < kMostLayers && layers.rays.active != 0; ++n) {
-    find_layer(scene, layers, hits, distance);
+    find_layer(scene, meets_shapes, layers, hits, distance);
     for (const BallFloats& ball : scene.balls) {
       put_ball(ball, distance, layers.rays.active, n == 0, layers, picture);
     }

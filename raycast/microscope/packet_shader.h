@@ -59,8 +59,9 @@ struct ShadowClock {
   double shadow_ms = 0, whole_ms = 0;
 };
 
-/// Shades the rays through pixel coordinates; `clock`: null where the packet is not timed.
+/// Shades the rays through pixel coordinates; `meets_shapes`: false where they cannot; `clock`:
+/// null where the packet is not timed.
 void shade_packet(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y,
-                  PacketPicture& picture, ShadowClock* clock = nullptr);
+                  bool meets_shapes, PacketPicture& picture, ShadowClock* clock = nullptr);
 
 }  // namespace supple

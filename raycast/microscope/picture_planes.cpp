@@ -10,9 +10,9 @@ namespace supple {
 
 namespace {
 
-constexpr int kBlock = 4;    // pixels across a packet
-constexpr int kTile = 32;    // pixels across the work of a thread
-constexpr int kTimedOf = 8;  // one packet of so many is timed
+constexpr int kBlock = SeenBlocks::kPixels;  // across a packet
+constexpr int kTile = 32;                    // pixels across the work of a thread
+constexpr int kTimedOf = 8;                  // one packet of so many is timed
 constexpr float kDepthStepMm = 0.1f;
 constexpr float kBrightest = 4;  // of a part of a pixel: it must not outshine the others
 
@@ -50,7 +50,7 @@ void draw_block(const EyeScene& scene, int left, int top, PicturePlanes& planes,
     y[lane] = float(top + lane / kBlock) + 0.5f;
   }
   PacketPicture picture;
-  shade_packet(scene, x, y, picture, clock);
+  shade_packet(scene, x, y, planes.seen.has(left, top), picture, clock);
   for (int lane = 0; lane < kPacketRays; ++lane) {
     if (picture.front_opacity[lane] > 0) picture.key[lane] ^= 0x40000000u;
   }
@@ -102,13 +102,16 @@ void smooth_pixels(const EyeScene& scene, const std::uint16_t* pixels, int count
   static constexpr float kAside[4] = {0.375f, 0.875f, 0.125f, 0.625f};
   static constexpr float kDown[4] = {0.125f, 0.375f, 0.625f, 0.875f};
   LaneFloats x, y;
+  bool meets_shapes = false;
   for (int lane = 0; lane < kPacketRays; ++lane) {
     const int pixel = pixels[std::min(lane / 4, count - 1)];
-    x[lane] = float(left + pixel % kTile) + kAside[lane % 4];
-    y[lane] = float(top + pixel / kTile) + kDown[lane % 4];
+    const int column = left + pixel % kTile, row = top + pixel / kTile;
+    x[lane] = float(column) + kAside[lane % 4];
+    y[lane] = float(row) + kDown[lane % 4];
+    meets_shapes |= planes.seen.has(column, row);
   }
   PacketPicture picture;
-  shade_packet(scene, x, y, picture);
+  shade_packet(scene, x, y, meets_shapes, picture);
   if (!planes.has_front) put_front_over(picture);
   for (int n = 0; n < count; ++n) {
     const std::size_t at =
@@ -145,6 +148,8 @@ void PicturePlanes::resize(int width_, int height_, bool has_front_) {
 
 void draw_pixels(const EyeScene& scene, PicturePlanes& planes, PassTimes* times) {
   const Stopwatch watch;
+  planes.seen.begin(scene.lens, planes.width, planes.height);
+  scene.shapes->mark_seen(planes.seen);
   PerThread<ShadowClock> clocks;
   for_tiles(planes.width, planes.height, [&](const PixelTile& tile) {
     ShadowClock* clock = times != nullptr ? &clocks.local() : nullptr;

@@ -33,6 +33,8 @@ struct SceneShape {
   RTCGeometry instance = nullptr;
   bool has_triangles = false;
   CasterBox box{{}, {}};
+  std::vector<Vec3f> vertices;  // before its motion
+  Triangles triangles;
   std::vector<Vec3f> corner_normals;
 };
 
@@ -207,6 +209,8 @@ void ShapeScene::shape(int number, const std::vector<Vec3d>& vertices_mm,
   if (shape.has_triangles) rtcDetachGeometry(shape.scene, 0);
   shape.has_triangles = !triangles.empty();
   shape.box = CasterBox(vertices_mm, shape.motion);
+  shape.vertices.assign(vertices_mm.begin(), vertices_mm.end());
+  shape.triangles = triangles;
   shape.corner_normals = corner_normals(vertices_mm, triangles, crease_degrees);
   m_impl->is_changed = true;
   if (shape.has_triangles) {
@@ -264,6 +268,18 @@ void ShapeScene::commit() {
   rtcCommitScene(m_impl->casters);
   m_impl->require_no_error();
   m_impl->is_changed = false;
+}
+
+void ShapeScene::mark_seen(SeenBlocks& seen) const {
+  std::vector<Vec3f> moved;
+  for (const auto& shape : m_impl->shapes) {
+    moved.clear();
+    const ShapeMotion& motion = shape->motion;
+    for (const Vec3f& vertex : shape->vertices) {
+      moved.push_back(motion.turned(vertex) + motion.origin);
+    }
+    seen.add(moved, shape->triangles);
+  }
 }
 
 void ShapeScene::first_hits(const PacketRays& rays, PacketHits& hits) const {

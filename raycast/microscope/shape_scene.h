@@ -8,6 +8,7 @@
 
 #include "raycast/microscope/caster_box.h"
 #include "raycast/microscope/packet.h"
+#include "raycast/microscope/seen_blocks.h"
 #include "raycast/microscope/shape_normals.h"
 
 namespace supple {
@@ -36,6 +37,8 @@ class ShapeScene {
   /// Makes changes known to rays. Throws SystemError.
   void commit();
 
+  /// Marks where a camera may see triangles, as of the last commit.
+  void mark_seen(SeenBlocks& seen) const;
   /// First triangles of rays that are near each other.
   void first_hits(const PacketRays& rays, PacketHits& hits) const;
   /// Smooth unit normal of a hit, in the world.
