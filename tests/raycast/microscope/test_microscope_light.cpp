@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "raycast/sample/sample_batch.h"
 #include "tests/raycast/microscope/microscope_scenes.h"
 #include "volumes/base/parallel.h"
 
@@ -305,6 +306,24 @@ TEST(PropertyMicroscopeLight, BitsAreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(one.left.rgba, five.left.rgba);
   EXPECT_EQ(one.right.rgba, five.right.rgba);
   EXPECT_NE(one.left.rgba, one.right.rgba);
+}
+
+TEST(PropertyMicroscopeLight, EveryInstructionSetGivesThePictureOfTheBest) {
+  const Microscope::Pair best = whole_pair(2);
+  const std::vector<std::string> sets = sampling_instruction_sets();
+#ifdef SUPPLE_TEST_ALL_LANES
+  EXPECT_GE(sets.size(), 2u);
+#endif
+  for (const std::string& set : sets) {
+    choose_sampling_instruction_set(set);
+    const Microscope::Pair pair = whole_pair(2);
+    int differing = 0;
+    for (std::size_t n = 0; n < best.left.rgba.size(); ++n) {
+      differing += std::abs(int(best.left.rgba[n]) - int(pair.left.rgba[n])) > 2;
+    }
+    EXPECT_LT(differing, 100) << set;  // at edges
+  }
+  choose_sampling_instruction_set("");
 }
 
 // Packets of coherent shadow rays never came back from scenes with instances in Embree 3.13.5.
