@@ -88,6 +88,26 @@ void make_spatula(Instrument& tool, const InstrumentSetup& setup) {
   add_shaft(tool, setup, {{{0, 0, 9 * r}, r}});
 }
 
+void make_own(Instrument& tool, const InstrumentSetup& setup) {
+  const InstrumentParts& own = setup.own;
+  tool.parts = own.parts;
+  tool.hinge_mm = own.hinge_mm;
+  tool.grip = own.grip;
+  tool.port = own.port;
+  tool.lamp = own.lamp;
+}
+
+void require_whole(const InstrumentParts& own) {
+  const auto has = [&](bool jaw) {
+    return std::any_of(own.parts.begin(), own.parts.end(),
+                       [&](const InstrumentPart& part) { return (part.jaw != 0) == jaw; });
+  };
+  if (!has(false)) throw InputError({"", "parts", "none of the shaft", "one without a jaw"});
+  if (own.grip && !has(true)) {
+    throw InputError({"", "grip", "no part of a jaw", "parts with jaw = 1 and jaw = -1"});
+  }
+}
+
 }  // namespace
 
 Fields fields(InstrumentSetup& setup) {
@@ -95,7 +115,7 @@ Fields fields(InstrumentSetup& setup) {
   list.push_back(
       Field("name", setup.name, "name by which tracks and tasks find the instrument").required());
   list.push_back(Field("kind", setup.kind,
-                       {"needle", "pick", "forceps", "vitrector", "lamp", "spatula"},
+                       {"needle", "pick", "forceps", "vitrector", "lamp", "spatula", "parts"},
                        "what the instrument is")
                      .required());
   list.push_back(
@@ -127,8 +147,10 @@ Instrument make_instrument(const InstrumentSetup& setup) {
   if (setup.kind == InstrumentKind::vitrector) positive("suction", setup.suction_mm);
   if (setup.kind == InstrumentKind::lamp) positive("cone", setup.cone_degrees);
   const bool is_forceps = setup.kind == InstrumentKind::forceps;
+  const bool is_own = setup.kind == InstrumentKind::parts;
+  if (is_own) require_whole(setup.own);
   const double tip_mm = (is_forceps ? setup.jaw_mm : 0) + 5 * setup.diameter_mm;
-  require(setup.length_mm > tip_mm, "length", setup.length_mm,
+  require(is_own || setup.length_mm > tip_mm, "length", setup.length_mm,
           "more than " + number_text(tip_mm) + " mm, five diameters beyond the jaws");
 
   Instrument tool;
@@ -136,8 +158,8 @@ Instrument make_instrument(const InstrumentSetup& setup) {
   tool.kind = setup.kind;
   tool.stiffness_n_m = setup.stiffness_n_m;
   using Maker = void (*)(Instrument&, const InstrumentSetup&);
-  constexpr Maker kMakers[] = {make_needle,    make_pick, make_forceps,
-                               make_vitrector, make_lamp, make_spatula};
+  constexpr Maker kMakers[] = {make_needle, make_pick,    make_forceps, make_vitrector,
+                               make_lamp,   make_spatula, make_own};
   kMakers[int(setup.kind)](tool, setup);
   return tool;
 }

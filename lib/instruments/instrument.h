@@ -17,7 +17,7 @@
 
 namespace supple {
 
-enum class InstrumentKind { needle, pick, forceps, vitrector, lamp, spatula };
+enum class InstrumentKind { needle, pick, forceps, vitrector, lamp, spatula, parts };
 
 struct InstrumentPart {
   RoundCone shape;  // in the instrument's frame, a jaw's closed
@@ -54,6 +54,15 @@ struct Instrument {
   double stiffness_n_m = 100;  // of the hand that presses it against something rigid
 };
 
+/// What an instrument of kind `parts` consists of, in its frame; other kinds make their own.
+struct InstrumentParts {
+  std::vector<InstrumentPart> parts;
+  Vec3d hinge_mm{0, 0, 0};
+  std::optional<GripZone> grip = {};
+  std::optional<SuctionPort> port = {};
+  std::optional<TipLamp> lamp = {};
+};
+
 /// Measures of an instrument; those that a kind does not have are not looked at.
 struct InstrumentSetup {
   std::string name;
@@ -64,11 +73,12 @@ struct InstrumentSetup {
   double suction_mm = 0.6;   // reach of the port
   double cone_degrees = 35;  // half of the lamp's cone
   double stiffness_n_m = 100;
+  InstrumentParts own = {};
 };
 /// Keys of a table [[instrument]] that describe its shape.
 Fields fields(InstrumentSetup& setup);
 
-/// Throws InputError for a measure that is not positive.
+/// Throws InputError for a measure that is not positive, and for own parts that make no instrument.
 Instrument make_instrument(const InstrumentSetup& setup);
 
 /// Place of an instrument. `axis` goes from the tip to the hand.
@@ -113,7 +123,7 @@ ToolMotion motion_of(int tool, const Instrument& instrument, const InstrumentPos
                      const InstrumentPose& to);
 
 /// Surface of an instrument for pictures, in its frame with closed jaws: one mesh for the shaft and
-/// one for each jaw. Vertices of one mesh are its own.
+/// one for each jaw; of own parts, one for each. Vertices of one mesh are its own.
 struct InstrumentMesh {
   TriangleMesh mesh;
   int jaw = 0;

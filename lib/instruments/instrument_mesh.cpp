@@ -16,10 +16,11 @@ constexpr int kPathRows = 24;               // of all pieces between balls but t
 constexpr int kLastRows = 12;               // of the last, dense at its begin
 constexpr int kPortRows = 14;               // across a port
 
-/// An ellipse across the shaft: half axes along x and along `up`.
+/// An ellipse across the shaft: half axes along x, or what stands for it, and along `up`.
 struct Section {
   Vec3d centre_mm, up;
   double x_mm, y_mm;
+  Vec3d across{1, 0, 0};
 };
 
 std::vector<double> even_angles(int sides = kSides) {
@@ -34,7 +35,7 @@ TriangleMesh skin(const std::vector<Section>& sections, const std::vector<double
   const int sides = int(angles.size()), rows = int(sections.size());
   for (const Section& s : sections) {
     for (const double angle : angles) {
-      mesh.vertices_lps_mm.push_back(s.centre_mm + Vec3d(s.x_mm * std::cos(angle), 0, 0) +
+      mesh.vertices_lps_mm.push_back(s.centre_mm + s.across * (s.x_mm * std::cos(angle)) +
                                      s.up * (s.y_mm * std::sin(angle)));
     }
   }
@@ -178,9 +179,39 @@ TriangleMesh shaft_of(const Instrument& tool) {
   return mesh;
 }
 
+/// The surface of a round cone: two caps that go on into its side where that touches their balls.
+TriangleMesh skin_of_cone(const RoundCone& cone) {
+  const Vec3d along = cone.b_mm - cone.a_mm;
+  const double length = along.length();
+  const Vec3d axis = length > 0 ? along / length : Vec3d(0, 0, 1);
+  const Vec3d across = axis.cross(std::abs(axis.z) < 0.7 ? Vec3d(0, 0, 1) : Vec3d(1, 0, 0));
+  const Vec3d x = across.normalized(), up = axis.cross(x);
+  const double taper = cone.a_radius_mm - cone.b_radius_mm;
+  const double edge =
+      std::abs(taper) < length ? std::asin(taper / length) : std::copysign(kPi / 2, taper);
+  std::vector<Section> sections;
+  const auto add_cap = [&](const Vec3d& centre, double radius, double from, double to) {
+    for (int n = 0; n <= kCapRows; ++n) {
+      const double angle = from + (to - from) * n / kCapRows;
+      const double wide = radius * std::cos(angle);
+      sections.push_back({centre + axis * (radius * std::sin(angle)), up, wide, wide, x});
+    }
+  };
+  add_cap(cone.a_mm, cone.a_radius_mm, -0.49 * kPi, edge);
+  add_cap(cone.b_mm, cone.b_radius_mm, edge, 0.49 * kPi);
+  return skin(sections, even_angles());
+}
+
 }  // namespace
 
 std::vector<InstrumentMesh> meshes_of(const Instrument& instrument) {
+  if (instrument.kind == InstrumentKind::parts) {
+    std::vector<InstrumentMesh> own;
+    for (const InstrumentPart& part : instrument.parts) {
+      own.push_back({skin_of_cone(part.shape), part.jaw});
+    }
+    return own;
+  }
   std::vector<InstrumentMesh> meshes = {{shaft_of(instrument), 0}};
   for (const int jaw : {1, -1}) {
     const std::vector<AxisBall> balls = balls_of(instrument, jaw);

@@ -36,7 +36,9 @@ class InstrumentTrack {
 
 /// Throws InputError that names line and column.
 InstrumentTrack read_track(const std::string& path);
-/// Writes all columns with digits enough to read the same bits. Throws SystemError.
+/// All columns, with digits enough to read the same bits.
+std::string track_text(const InstrumentTrack& track);
+/// Writes that text. Throws SystemError.
 void write_track(const InstrumentTrack& track, const std::string& path);
 
 /// A hand that leads an instrument along way points.

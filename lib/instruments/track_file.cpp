@@ -129,14 +129,18 @@ InstrumentTrack read_track(const std::string& path) {
   return InstrumentTrack(TrackReader(path).read(), path);
 }
 
-void write_track(const InstrumentTrack& track, const std::string& path) {
+std::string track_text(const InstrumentTrack& track) {
   std::string text = csv_line(column_names(false));
   for (TrackKey key : track.keys()) {
     std::vector<std::string> cells;
     for (const TrackColumn& column : kTrackColumns) cells.push_back(exact_text(column.value(key)));
     text += csv_line(cells);
   }
-  replace_text_file(path, text);
+  return text;
+}
+
+void write_track(const InstrumentTrack& track, const std::string& path) {
+  replace_text_file(path, track_text(track));
 }
 
 }  // namespace supple

@@ -118,12 +118,17 @@ void OperationLog::add(const OperationSample& sample) {
   ++m_steps;
 }
 
-void OperationLog::finish() {
-  Value end;
-  end["steps"] = m_steps;
-  write(end);
+void OperationLog::end() {
+  Value row;
+  row["steps"] = m_steps;
+  write(row);
   m_out.close();
   if (!m_out) throw_write_error(m_file.final_path(), errno);
+  m_is_ended = true;
+}
+
+void OperationLog::finish() {
+  if (!m_is_ended) end();
   m_file.commit();
 }
 

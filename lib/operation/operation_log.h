@@ -33,6 +33,9 @@ class OperationLog {
   /// Writes a step. Throws SystemError where the disk is full, InputError for a number that is not
   /// finite.
   void add(const OperationSample& sample);
+  /// Writes the last row: the log is whole then, under its temporary name. Throws SystemError.
+  void end();
+  /// Gives it its final name, after end() where that was not called. Throws SystemError.
   void finish();
 
  private:
@@ -41,6 +44,7 @@ class OperationLog {
   AtomicFile m_file;
   std::ofstream m_out;
   std::int64_t m_steps = 0;
+  bool m_is_ended = false;
 };
 
 class OperationLogReader {

@@ -23,6 +23,7 @@ struct ReplayFiles {
   std::string input, check, image, film, scene, journal, state;
   bool compares = false;
   double duration_s = 0;
+  std::vector<std::string> given;  // options of ReplayOptions that the command line has
 };
 
 Value phase_json(const PhaseTimes& times) {
@@ -74,8 +75,8 @@ void write_toml(const std::string& path, const std::string& text) {
   file.commit();
 }
 
-int run_operation(Table root, const ReplayFiles& files, const GlobalOptions& global,
-                  Console& console) {
+int run_operation(Table root, const ReplayFiles& files, const ReplayOptions& options,
+                  const GlobalOptions& global, Console& console) {
   for (const auto& [text, name] : {std::pair(&files.film, "--film"),
                                    {&files.scene, "--scene"},
                                    {&files.journal, "--journal"},
@@ -84,6 +85,13 @@ int run_operation(Table root, const ReplayFiles& files, const GlobalOptions& glo
   }
   refuse_option(files.compares, "--ssim");
   OperationCommand command;
+  for (const std::string& option : files.given) {
+    if (option == "--size") {
+      command.size = options.size;
+    } else {
+      refuse_option(true, option.c_str());
+    }
+  }
   command.is_replay = true;
   command.duration_s = files.duration_s;
   command.image = files.image;
@@ -94,7 +102,7 @@ int run_operation(Table root, const ReplayFiles& files, const GlobalOptions& glo
 int run_replay(const ReplayFiles& files, const ReplayOptions& options, const GlobalOptions& global,
                Console& console) {
   Table root = Table::read(files.input);
-  if (is_operation(root)) return run_operation(std::move(root), files, global, console);
+  if (is_operation(root)) return run_operation(std::move(root), files, options, global, console);
   if (!files.film.empty() && files.compares) {
     throw InputError({"", "--ssim", "a film", "--ssim without --film, whose pictures are settled"});
   }
@@ -170,7 +178,10 @@ Command add_replay(CLI::App& program) {
       ->option_text("F.toml");
   app->add_option("--state", files->state, "The state at the end")->option_text("F.vdb");
   app->add_flag("--ssim", files->compares, "Compare first pixels with what they become");
-  return {app, [files, options](const GlobalOptions& global, Console& console) {
+  return {app, [app, files, options](const GlobalOptions& global, Console& console) {
+            for (const char* name : {"--size", "--budget", "--speed", "--fps"}) {
+              if (app->get_option(name)->count() > 0) files->given.push_back(name);
+            }
             return run_replay(*files, *options, global, console);
           }};
 }

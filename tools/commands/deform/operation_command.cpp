@@ -33,6 +33,15 @@ void print_report(const Value& report) {
   std::printf("%d steps, %.2f s of operation in %.2f s, load %.1f\n", int(report["steps"].number()),
               report["time_s"].number(), report["wall_s"].number(), report["load"].number());
   print_times(report["times"]);
+  if (report.contains("pictures_per_s")) {
+    std::printf("%.1f %s per second, SSIM to settled ones %.4f\n",
+                report["pictures_per_s"].number(), report["pairs"].truth() ? "pairs" : "pictures",
+                report["settled_ssim"].number());
+  }
+  const Value& memory = report["memory_mb"];
+  std::printf("memory       %.0f MB at a tenth, %.0f at half, %.0f at the end\n",
+              memory["at_a_tenth"].number(), memory["at_half"].number(),
+              memory["at_the_end"].number());
   print_score(report["score"]);
   std::printf("state        %s\n", report["digest"].text().c_str());
 }
@@ -48,6 +57,12 @@ int run_operation(Table root, const OperationCommand& command, const GlobalOptio
                   Console& console) {
   OperationScene scene = read_operation(std::move(root));
   if (command.duration_s > 0) scene.duration_s = command.duration_s;
+  if (command.size) {
+    if (scene.views.empty()) {
+      throw InputError({scene.file, "view", "none", "a table [[view]] for --size"});
+    }
+    scene.views.front().size = *command.size;
+  }
   if (command.is_replay) {
     scene.output = {};
     for (MicroscopeView& view : scene.views) view.image = view.video = "";

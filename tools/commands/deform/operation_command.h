@@ -2,20 +2,23 @@
 // session would, with a picture after each step.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "tools/console/console.h"
+#include "volumes/base/fields.h"
 #include "volumes/base/table.h"
 
 namespace supple::tools {
 
 struct OperationCommand {
   std::string folder = ".";
-  bool is_replay = false;  // draws every step and writes nothing
-  bool is_dry = false;     // checks the scene and tells its outputs
-  double duration_s = 0;   // in place of the scene's; 0: that
-  std::string image;       // of the end, of the first view; empty: none
-  std::string check;       // digest that it must lead to; empty: none
+  bool is_replay = false;         // draws every step and writes nothing
+  bool is_dry = false;            // checks the scene and tells its outputs
+  double duration_s = 0;          // in place of the scene's; 0: that
+  std::optional<PixelSize> size;  // of the first view, in place of the scene's
+  std::string image;              // of the end, of the first view; empty: none
+  std::string check;              // digest that it must lead to; empty: none
 };
 
 /// Returns an exit code. Throws as read_operation() and OperationRun.

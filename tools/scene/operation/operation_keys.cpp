@@ -55,7 +55,52 @@ Fields fields(ToolKeys& keys) {
       Field("incision", keys.incision, "Incision of the eye through which it goes").otherwise(""),
       Field("track", keys.track, "Its poses over time, a table (.csv)").path().otherwise(""),
       Field("colour", keys.rgb, "Colour in pictures"),
+      Field("hinge", keys.hinge_mm, "Of own parts: where jaws turn, about an axis along x")
+          .unit("mm"),
   };
+}
+
+Fields fields(PartKeys& keys) {
+  return {
+      Field("a", keys.a_mm, "Centre of its first ball; the tip is at 0, +z goes to the hand")
+          .unit("mm")
+          .required(),
+      Field("b", keys.b_mm, "Centre of its second ball").unit("mm").required(),
+      Field("radii", keys.radii_mm, "Radii of the two balls").unit("mm").positive(),
+      Field("jaw", keys.jaw, "1 or -1: of the jaw that opens to +y or -y; 0: of the shaft")
+          .range(-1, 1),
+  };
+}
+
+Fields fields(GripKeys& keys) {
+  return {
+      Field("a", keys.a_mm, "One end of the line between the closed jaws").unit("mm"),
+      Field("b", keys.b_mm, "Its other end").unit("mm"),
+      Field("radius", keys.radius_mm, "What is so near to the line is held").unit("mm").positive(),
+      Field("grips_below", keys.grips_below_degrees, "Opening below which it grips")
+          .unit("degrees")
+          .positive(),
+      Field("releases_above", keys.releases_above_degrees, "Opening above which it lets go")
+          .unit("degrees")
+          .positive(),
+  };
+}
+
+Fields fields(SuctionPort& port) {
+  return {
+      Field("at", port.centre_mm, "Centre of the opening").unit("mm").required(),
+      Field("outward", port.outward, "Direction out of the instrument").required(),
+      Field("radius", port.radius_mm, "Radius of the opening").unit("mm").positive(),
+      Field("reach", port.reach_mm, "What is so near to its centre is removed")
+          .unit("mm")
+          .positive(),
+  };
+}
+
+Fields fields(TipLamp& lamp) {
+  return {Field("cone", lamp.cone_degrees, "Half of the angle of the cone of light")
+              .unit("degrees")
+              .range(1, 89)};
 }
 
 Fields fields(ShapeKeys& keys) {
@@ -144,6 +189,14 @@ Fields fields(OperationOutput& output) {
   };
 }
 
+SuctionPort standard_port() {
+  return {{0, 0.25, 0.55}, {0, 1, 0}, 0.175, InstrumentSetup().suction_mm};
+}
+
+TipLamp standard_lamp() {
+  return {InstrumentSetup().cone_degrees};
+}
+
 std::vector<OperationTable> operation_tables() {
   static RunKeys run;
   static EyeSetup eye;
@@ -152,6 +205,10 @@ std::vector<OperationTable> operation_tables() {
   static ToolKeys tool;
   static WayKeys way;
   static HandKeys hand;
+  static PartKeys part;
+  static GripKeys grip;
+  static SuctionPort port = standard_port();
+  static TipLamp lamp = standard_lamp();
   static ShapeKeys shape;
   static MembraneKeys membrane;
   static MembraneParams params;
@@ -174,6 +231,10 @@ std::vector<OperationTable> operation_tables() {
       {"instrument", "[[instrument]] of an operation", instruments},
       {"way", "way = [{ … }] of an [[instrument]]", fields(way)},
       {"hand", "hand = { … } of an [[instrument]]", fields(hand)},
+      {"parts", "parts = [{ … }] of an [[instrument]]", fields(part)},
+      {"grip", "grip = { … } of an [[instrument]] of parts", fields(grip)},
+      {"port", "port = { … } of an [[instrument]] of parts", fields(port)},
+      {"tip_lamp", "lamp = { … } of an [[instrument]] of parts", fields(lamp)},
       {"shape", "[[shape]] of an operation", fields(shape)},
       {"membrane", "[[body]] of an operation", bodies},
       {"sheet", "sheet = { … } of a [[body]] of an operation", fields(sheet)},

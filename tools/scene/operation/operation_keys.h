@@ -36,8 +36,32 @@ Fields fields(HandKeys& keys);
 struct ToolKeys {
   std::string incision, track;
   Rgb rgb{0.72, 0.74, 0.78};
+  Vec3d hinge_mm{0, 0, 0};  // of own parts
 };
 Fields fields(ToolKeys& keys);
+
+/// Row of `parts` of an [[instrument]] of that kind.
+struct PartKeys {
+  Vec3d a_mm{0, 0, 0}, b_mm{0, 0, 0};
+  NumberPair radii_mm{0.25, 0.25};
+  int jaw = 0;
+};
+Fields fields(PartKeys& keys);
+
+/// Keys of `grip`.
+struct GripKeys {
+  Vec3d a_mm{0, 0, 0}, b_mm{0, 0, 0.4};
+  double radius_mm = 0.08, grips_below_degrees = 6, releases_above_degrees = 10;
+};
+Fields fields(GripKeys& keys);
+
+/// Keys of `port` of an [[instrument]] of own parts.
+Fields fields(SuctionPort& port);
+/// Keys of `lamp`.
+Fields fields(TipLamp& lamp);
+/// What they are where a scene says nothing.
+SuctionPort standard_port();
+TipLamp standard_lamp();
 
 /// Keys of [[shape]].
 struct ShapeKeys {

@@ -20,6 +20,11 @@ std::string track_name(const std::string& pattern, const std::string& instrument
   return pattern.substr(0, at) + instrument + pattern.substr(at + 2);
 }
 
+void write_text(const AtomicFile& file, const std::string& text) {
+  std::ofstream out(file.path(), std::ios::binary);
+  if (!(out << text << std::flush)) throw_write_error(file.final_path(), errno);
+}
+
 TaskBall ball_of(const TaskTarget& target, const TargetProgress& progress) {
   TaskBall ball{target.centre_mm, target.radius_mm};
   switch (progress.state) {
@@ -48,9 +53,10 @@ OperationPlan plan_of(const OperationScene& scene) {
   OperationPlan plan;
   for (const OperationTool& tool : scene.setup.tools) {
     plan.instruments.push_back(tool.shape.name);
-    if (tool.shape.kind != InstrumentKind::lamp) continue;
+    const std::optional<TipLamp> lamp = make_instrument(tool.shape).lamp;
+    if (!lamp) continue;
     plan.around.lamp = tool.shape.name;
-    plan.around.lamp_cone_degrees = tool.shape.cone_degrees;
+    plan.around.lamp_cone_degrees = lamp->cone_degrees;
   }
   if (scene.setup.eye) {
     for (const Obstacle& obstacle : obstacles_of(*scene.setup.eye)) {
@@ -118,24 +124,23 @@ void OperationRecord::take(const Operation& operation, const std::vector<Instrum
   for (std::size_t n = 0; n < asked.size(); ++n) in.asked[n].push_back({sample.time_s, asked[n]});
 }
 
-void OperationRecord::finish(const std::string& folder) {
+void OperationRecord::write(const std::string& folder, PendingFiles& files) {
   Impl& in = *m_impl;
   const OperationOutput& output = in.scene.output;
-  if (in.log) in.log->finish();
+  if (in.log) in.log->end();
   if (!output.tracks.empty()) {
     for (std::size_t n = 0; n < in.asked.size(); ++n) {
-      write_track(InstrumentTrack(in.asked[n]),
-                  path_in(folder, track_name(output.tracks, in.plan.instruments[n])));
+      write_text(files.add(path_in(folder, track_name(output.tracks, in.plan.instruments[n]))),
+                 track_text(InstrumentTrack(in.asked[n])));
     }
   }
   if (output.score.empty()) return;
-  const std::string path = path_in(folder, output.score);
-  AtomicFile file(path);
-  std::ofstream out(file.path(), std::ios::binary);
-  if (!(out << json_text(to_value(in.keeper.score()), 2) << '\n' << std::flush)) {
-    throw_write_error(path, errno);
-  }
-  file.commit();
+  write_text(files.add(path_in(folder, output.score)),
+             json_text(to_value(in.keeper.score()), 2) + "\n");
+}
+
+void OperationRecord::commit() {
+  if (m_impl->log) m_impl->log->finish();
 }
 
 std::vector<TaskBall> OperationRecord::balls() const {

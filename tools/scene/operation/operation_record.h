@@ -26,8 +26,10 @@ class OperationRecord {
   void open(const std::string& folder);
   /// Takes the step that the operation has made, towards these poses in the head's frame.
   void take(const Operation& operation, const std::vector<InstrumentPose>& asked);
-  /// Writes tracks and scores, and gives the log its name. Throws SystemError.
-  void finish(const std::string& folder);
+  /// Writes tracks and scores and ends the log, all under temporary names. Throws SystemError.
+  void write(const std::string& folder, PendingFiles& files);
+  /// Gives the log its name. Throws SystemError.
+  void commit();
 
   /// Targets of tasks as pictures show them.
   std::vector<TaskBall> balls() const;

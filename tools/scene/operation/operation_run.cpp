@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <numeric>
 
+#include "raycast/pictures/compare.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/operation/operation_picture.h"
 #include "tools/scene/operation/operation_record.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/scene_files.h"
+#include "volumes/base/error.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/stopwatch.h"
 
@@ -45,6 +48,10 @@ class ViewVideo {
     return all;
   }
 
+  /// Makes the files complete, under temporary names.
+  void finish() {
+    for (const auto& one : m_series) one->finish();
+  }
   void commit() {
     for (const auto& one : m_series) one->commit();
   }
@@ -69,6 +76,17 @@ Value times_value(const std::vector<float>& ms) {
           {"max_ms", quantile(values, 1)}};
 }
 
+/// An operation whose errors name the scene's file.
+Operation operation_of(const OperationScene& scene) {
+  try {
+    return Operation(scene.setup);
+  } catch (const InputError& error) {
+    Problem problem = error.problem();
+    if (problem.file.empty()) problem.file = scene.file;
+    throw InputError(problem);
+  }
+}
+
 double load_now() {
   double load = 0;
   return getloadavg(&load, 1) == 1 ? load : 0;
@@ -86,13 +104,13 @@ struct OperationRun::Impl {
   OperationPhases phases;
   double memory_at_start_mb = 0, memory_at_middle_mb = 0;
   int steps = 0;
-  double wall_s = 0;
+  double wall_s = 0, settled_ssim = 1;
 
   Impl(const OperationScene& given, std::string to, const OperationOptions& wanted)
       : scene(given),
         folder(std::move(to)),
         options(wanted),
-        operation(given.setup),
+        operation(operation_of(given)),
         record(given, operation) {}
 
   bool draws() const {
@@ -109,12 +127,20 @@ struct OperationRun::Impl {
     }
     return all;
   }
+  /// Pictures of every step, each brought up to the step's state.
+  double pictures_per_s() const {
+    const double ms = std::accumulate(phases.picture.begin(), phases.picture.end(), 0.0) +
+                      std::accumulate(phases.update.begin(), phases.update.end(), 0.0);
+    return 1000 * double(phases.picture.size()) / ms;
+  }
   int frame_count() const {
     return std::max(1, int(scene.step_count() * scene.setup.step_s * scene.frames_per_second));
   }
   void step(int n);
+  double ssim_of_settled();
   void draw_step(int n, std::vector<ViewVideo>& videos, int& frames);
-  void write_images();
+  void write_images(PendingFiles& files);
+  void write_files(std::vector<ViewVideo>& videos);
 };
 
 /// One step and what follows of it for tasks, log and scores.
@@ -147,11 +173,33 @@ void OperationRun::Impl::draw_step(int n, std::vector<ViewVideo>& videos, int& f
   ++frames;
 }
 
-void OperationRun::Impl::write_images() {
+/// How near the last picture is to what it would be with time enough.
+double OperationRun::Impl::ssim_of_settled() {
+  MicroscopeView view = scene.views.front();
+  const double time_s = operation.sample().time_s;
+  const Image drawn = picture->draw(view, time_s);
+  view.is_settled = true;
+  return compare(drawn, picture->draw(view, time_s), false).ssim;
+}
+
+void OperationRun::Impl::write_images(PendingFiles& files) {
   for (const MicroscopeView& view : scene.views) {
     if (view.image.empty()) continue;
-    write_png(path_in(folder, view.image), picture->draw(view, operation.sample().time_s));
+    write_png(files.add(path_in(folder, view.image)),
+              picture->draw(view, operation.sample().time_s), "");
   }
+}
+
+/// All outputs get their names together, after the last of them is complete.
+void OperationRun::Impl::write_files(std::vector<ViewVideo>& videos) {
+  PendingFiles files;
+  write_images(files);
+  record.write(folder, files);
+  for (ViewVideo& video : videos) video.finish();
+  const CommonCommit all;
+  record.commit();
+  for (ViewVideo& video : videos) video.commit();
+  files.commit();
 }
 
 OperationRun::OperationRun(const OperationScene& scene, std::string folder,
@@ -188,10 +236,9 @@ void OperationRun::run(Progress& progress) {
     if (n == count / 10) in.memory_at_start_mb = peak_rss_mb();
     if (n == count / 2) in.memory_at_middle_mb = peak_rss_mb();
   }
-  in.record.finish(in.folder);
-  for (ViewVideo& video : videos) video.commit();
-  in.write_images();
+  in.write_files(videos);
   in.wall_s = whole.ms() / 1000;
+  if (!in.phases.picture.empty()) in.settled_ssim = in.ssim_of_settled();
 }
 
 const Operation& OperationRun::operation() const {
@@ -216,6 +263,11 @@ Value OperationRun::report() const {
                     {"at_half", in.memory_at_middle_mb},
                     {"at_the_end", peak_rss_mb()}}},
                   {"digest", in.operation.digest()}};
+  if (!in.phases.picture.empty()) {
+    report["pictures_per_s"] = in.pictures_per_s();
+    report["pairs"] = in.scene.views.front().stereo != StereoKind::none;
+    report["settled_ssim"] = in.settled_ssim;
+  }
   report.update(in.record.report());
   return report;
 }

@@ -13,6 +13,8 @@ namespace supple::tools {
 
 namespace {
 
+constexpr int kSettledShadowSamples = 16;
+
 InstrumentTrack made_track(Table& table, const std::optional<Vec3d>& incision_mm) {
   WayKeys key;
   HandKeys hand;
@@ -51,12 +53,52 @@ std::optional<Vec3d> incision_of(Table& table, const OperationSetup& setup,
   table.fail("incision", name, known);
 }
 
+/// Reads what only an instrument of own parts has.
+InstrumentParts read_parts(Table& table) {
+  InstrumentParts own;
+  for (Table& row : table.tables("parts")) {
+    PartKeys keys;
+    row.read(fields(keys));
+    row.finish();
+    own.parts.push_back(
+        {{keys.a_mm, keys.b_mm, keys.radii_mm.first, keys.radii_mm.second}, keys.jaw});
+  }
+  if (own.parts.empty()) table.fail_missing("parts", "parts = [{ a, b, radii }, …]");
+  if (auto row = table.table("grip")) {
+    GripKeys keys;
+    row->read(fields(keys));
+    row->finish();
+    own.grip = GripZone{{keys.a_mm, keys.b_mm, keys.radius_mm, keys.radius_mm},
+                        keys.grips_below_degrees,
+                        keys.releases_above_degrees};
+  }
+  if (auto row = table.table("port")) {
+    own.port = standard_port();
+    row->read(fields(*own.port));
+    if (own.port->outward.length() == 0) row->fail("outward", "[0, 0, 0]", "a direction");
+    own.port->outward.normalize();
+    row->finish();
+  }
+  if (auto row = table.table("lamp")) {
+    own.lamp = standard_lamp();
+    row->read(fields(*own.lamp));
+    row->finish();
+  }
+  return own;
+}
+
 void read_instrument(Table& table, OperationScene& scene) {
   OperationTool tool;
   ToolKeys keys;
   InstrumentTrack track;
   table.read(supple::fields(tool.shape));
   table.read(fields(keys));
+  if (tool.shape.kind == InstrumentKind::parts) tool.shape.own = read_parts(table);
+  for (const char* key : {"parts", "grip", "port", "lamp", "hinge"}) {
+    if (tool.shape.kind == InstrumentKind::parts || !table.has(key)) continue;
+    table.fail(key, "beside another kind", "it with kind = \"parts\" only");
+  }
+  tool.shape.own.hinge_mm = keys.hinge_mm;
   tool.incision = keys.incision;
   const std::optional<Vec3d> incision_mm = incision_of(table, scene.setup, tool.incision);
   if (keys.track.empty() == !table.has("way"))
@@ -188,6 +230,10 @@ MicroscopeSettings MicroscopeView::settings() const {
   settings.shadow_samples = shadow == ShadowKind::none ? 0 : shadow == ShadowKind::hard ? 1 : 4;
   settings.smooth_edges = smooth_edges;
   settings.haze_part = vitreous_part;
+  if (!is_settled) return settings;
+  if (shadow != ShadowKind::none) settings.shadow_samples = kSettledShadowSamples;
+  if (vitreous_part > 0) settings.haze_part = 1;
+  settings.smooth_edges = true;
   return settings;
 }
 

@@ -96,8 +96,12 @@ void PictureSeries::add(const Image& image) {
   m_writer.write(image, m_length++, "");
 }
 
-void PictureSeries::commit() {
+void PictureSeries::finish() {
   m_writer.finish();
+}
+
+void PictureSeries::commit() {
+  finish();
   m_files.commit();
 }
 

@@ -74,6 +74,8 @@ class PictureSeries {
   /// Lists the files that this many pictures become.
   std::vector<std::string> files(int length) const;
   void add(const Image& image);
+  /// Ends the series: its files are complete then, under temporary names.
+  void finish();
   void commit();
 
  private:
