@@ -14,12 +14,13 @@ namespace supple {
 namespace {
 
 constexpr int kRounds = 6;
-constexpr int kBends = 6;           // of one way along surfaces
-constexpr double kUnseenMm = 4e-3;  // a part may enter a surface that far between two free poses
-constexpr double kLiftMm = 2e-7;    // kept off a surface along which it slides
-constexpr double kStopMm = 2e-5;    // a stop is found to this
-constexpr double kTouchMm = 1e-4;   // what is nearer touches
-constexpr int kMaxPoses = 4000;     // of one way
+constexpr int kBends = 6;            // of one way along surfaces
+constexpr double kUnseenMm = 4e-3;   // a part may enter a surface that far between two free poses
+constexpr double kLiftMm = 2e-7;     // kept off a surface along which it slides
+constexpr double kStopMm = 2e-5;     // a stop is found to this
+constexpr double kTouchMm = 1e-4;    // what is nearer touches
+constexpr double kPressedMm = 0.02;  // what slides under pressure may be so far off
+constexpr int kMaxPoses = 4000;      // of one way
 
 double thinnest(const RoundCone& cone) {
   return std::min(cone.a_radius_mm, cone.b_radius_mm);
@@ -263,7 +264,7 @@ class Leader {
     for (std::size_t o = 0; o < m_obstacles.size(); ++o) {
       ToolTouch deepest{int(o), 0, {}, {}, 0, 0, m_along_mm};
       for (std::size_t p = 0; p < asked.size(); ++p) {
-        if (m_now.rooms_mm[o * asked.size() + p] >= kTouchMm) continue;
+        if (m_now.rooms_mm[o * asked.size() + p] >= kPressedMm) continue;
         const RigidSurface& surface = m_obstacles[o].surface;
         const Approach here = approach(m_now.parts[p], surface);
         // What a hand has led through a thin wall is beyond it: the ball that touches tells how
