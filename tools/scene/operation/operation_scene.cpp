@@ -63,7 +63,7 @@ InstrumentParts read_parts(Table& table) {
     own.parts.push_back(
         {{keys.a_mm, keys.b_mm, keys.radii_mm.first, keys.radii_mm.second}, keys.jaw});
   }
-  if (own.parts.empty()) table.fail_missing("parts", "parts = [{ a, b, radii }, …]");
+  if (own.parts.empty()) table.fail("kind", "no parts", "parts = [{ a, b, radii }, …]");
   if (auto row = table.table("grip")) {
     GripKeys keys;
     row->read(fields(keys));

@@ -80,10 +80,10 @@ TEST_F(UnitOperationScore, ADetourCostsEfficiency) {
   const std::size_t after = m_expert.find(m_hold) + m_hold.size();
   const std::size_t end = m_expert.find("\n]\n", after);
   const std::string round =
-      "  { time = 5.5, tip = [3, 3, -7] },\n"
-      "  { time = 7, tip = [3, -3, -7] },\n"
-      "  { time = 8.5, tip = [-3, -3, -7] },\n"
-      "  { time = 10, tip = [-3, 3, -7] },\n"
+      "  { time = 5.5, tip = [4, 4, -7] },\n"
+      "  { time = 7, tip = [4, -4, -7] },\n"
+      "  { time = 8.5, tip = [-4, -4, -7] },\n"
+      "  { time = 10, tip = [-4, 4, -7] },\n"
       "  { time = 12, tip = [-1.2, 0.8, -9.390] },\n"
       "  { time = 14, tip = [-1.2, 0.8, -9.390] },\n"
       "  { time = 16, tip = [0.2, -1.4, -9.394] },\n"

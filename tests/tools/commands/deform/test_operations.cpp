@@ -220,7 +220,7 @@ TEST_F(FaultOperationRun, WrongScenesAreRefusedInOneLineThatSaysWhatToDo) {
       {"track_%s.csv", "track.csv", {"tracks", "%s"}},
       {"log.jsonl", "log.txt", {"log.txt", ".jsonl"}},
       {"instrument = \"needle\"", "instrument = \"nedle\"", {"instrument", "nedle"}},
-      {"kind = \"needle\"", "kind = \"parts\"", {"parts", "nothing"}},
+      {"kind = \"needle\"", "kind = \"parts\"", {"kind", "no parts", "parts = [{"}},
       {"kind = \"needle\"", "kind = \"needle\"\nlamp = {}", {"lamp", "parts"}},
   };
   for (const auto& [from, to, told] : cases) {
