@@ -16,6 +16,7 @@ namespace {
 
 /// A spot is the same one while touches stay within this distance of it.
 constexpr double kSameSpotMm = 0.5;
+constexpr double kSameTime_s = 1e-9;
 
 const char* kind_name(MembraneEvent::Kind kind) {
   switch (kind) {
@@ -238,6 +239,11 @@ void Operation::Impl::move_membranes(const std::vector<ToolMotion>& motions) {
   sample.clinging_mm2 = 0;
   for (std::size_t n = 0; n < membranes.size(); ++n) {
     Membrane& membrane = membranes[n];
+    for (const ModelChange& change : setup.membranes[n].changes) {
+      const bool is_now = change.time_s <= sample.time_s + kSameTime_s &&
+                          change.time_s > sample.time_s - setup.step_s + kSameTime_s;
+      if (is_now) membrane.take_model(change.model);
+    }
     const double clung_mm2 = membrane.clinging_mm2(), tore_mm = membrane.torn_mm();
     const MembraneReport report = membrane.step(setup.step_s, motions, instruments);
     const double clinging_mm2 = membrane.clinging_mm2();
@@ -278,15 +284,6 @@ const OperationSample& Operation::step(const std::vector<InstrumentPose>& asked)
   if (in.setup.eye) in.grow_bleedings();
   in.times.total_ms = whole.ms();
   return in.sample;
-}
-
-void Operation::take_model(const std::string& membrane, MembraneModel model) {
-  std::string known;
-  for (Membrane& one : m_impl->membranes) {
-    if (one.name() == membrane) return one.take_model(model);
-    known += (known.empty() ? "" : ", ") + one.name();
-  }
-  throw InputError({"", "membrane", membrane, known.empty() ? "a membrane in the scene" : known});
 }
 
 const OperationSetup& Operation::setup() const {

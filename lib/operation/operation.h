@@ -29,10 +29,17 @@ struct OperationTool {
   InstrumentPose start = {};  // free of all surfaces
 };
 
+/// Another model takes a membrane over while the operation goes on.
+struct ModelChange {
+  double time_s = 0;  // after 0; the first step that ends then or later is its own
+  MembraneModel model = MembraneModel::springs;
+};
+
 struct OperationMembrane {
   std::string name;
   TriangleMesh mesh;
   MembraneParams params;
+  std::vector<ModelChange> changes = {};
 };
 
 struct OperationSetup {
@@ -61,8 +68,6 @@ class Operation {
   /// Makes one step towards the poses that hands ask for, in the head's frame, one per instrument.
   /// Returns what came of it, poses in the eye's frame.
   const OperationSample& step(const std::vector<InstrumentPose>& asked);
-  /// Exchanges the model of a membrane. Throws InputError for a name that none has.
-  void take_model(const std::string& membrane, MembraneModel model);
 
   const OperationSetup& setup() const;
   const OperationSample& sample() const;

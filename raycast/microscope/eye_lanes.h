@@ -33,7 +33,7 @@ struct GlobeFloats {
 
 struct LampFloats {
   bool is_on = false;
-  Vec3f place, direction;
+  Vec3f place{0, 0, 0}, direction{0, 0, -1};
   float cosine_full = 1, cosine_none = 1;  // between these angles light fades
   float power = 1;
   float ambient = 0;

@@ -142,6 +142,29 @@ TEST(FaultOperation, PosesThatAreNotFiniteOrTooFewAreRefusedAndNothingMoves) {
   EXPECT_EQ(operation.digest(), before);
 }
 
+TEST(UnitOperation, AnotherModelTakesAMembraneOverAtItsTime) {
+  OperationSetup setup = needle_in_eye();
+  setup.tools[0].shape.kind = InstrumentKind::forceps;
+  OperationMembrane membrane;
+  membrane.name = "membrane";
+  membrane.mesh = membrane_on_sphere({0, 0, 0}, 10.98, {0, 0, -1}, 2, 100);
+  setup.membranes.push_back(membrane);
+  const auto digests = [&](const std::vector<ModelChange>& changes) {
+    setup.membranes[0].changes = changes;
+    Operation operation(setup);
+    std::vector<std::string> all;
+    for (int n = 1; n <= 30; ++n) {
+      operation.step({toward(operation, 0, {0, 0, -5 - 0.21 * n})});
+      all.push_back(operation.digest());
+    }
+    return all;
+  };
+  const std::vector<std::string> springs = digests({}),
+                                 changed = digests({{0.57, MembraneModel::ecm}});
+  EXPECT_EQ(springs[27], changed[27]);  // at 0.56 s
+  EXPECT_NE(springs[28], changed[28]);
+}
+
 TEST(FaultOperation, AStepThatIsNoWholeNumberOfSubstepsIsRefusedAtOnce) {
   OperationSetup setup = needle_in_eye();
   OperationMembrane membrane;

@@ -117,6 +117,7 @@ int run_operation(Table root, const RunSceneOptions& options, const GlobalOption
   for (const auto& [is_given, name] : others) refuse_option(is_given, name);
   OperationCommand command;
   command.folder = options.folder;
+  command.allows_outside = options.allow_outside;
   command.is_dry = options.dry_run;
   return run_operation(std::move(root), command, global, console);
 }

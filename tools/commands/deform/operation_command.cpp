@@ -4,6 +4,7 @@
 
 #include "tools/console/command.h"
 #include "tools/scene/operation/operation_run.h"
+#include "tools/scene/run/scene_files.h"
 #include "volumes/base/json.h"
 
 namespace supple::tools {
@@ -70,6 +71,9 @@ int run_operation(Table root, const OperationCommand& command, const GlobalOptio
       throw InputError({scene.file, "view", "none", "a table [[view]] for --image"});
     }
     if (!command.image.empty()) scene.views.front().image = command.image;
+  }
+  if (!command.is_replay && !command.allows_outside) {
+    require_inside(scene.outputs(), scene.file, command.folder);
   }
   OperationOptions options;
   options.draws_every_step = command.is_replay && !command.is_dry;

@@ -13,6 +13,7 @@ namespace supple::tools {
 
 struct OperationCommand {
   std::string folder = ".";
+  bool allows_outside = false;    // of the folder
   bool is_replay = false;         // draws every step and writes nothing
   bool is_dry = false;            // checks the scene and tells its outputs
   double duration_s = 0;          // in place of the scene's; 0: that

@@ -134,6 +134,13 @@ Fields fields(MembraneKeys& keys) {
   };
 }
 
+Fields fields(ModelChange& change) {
+  return {
+      Field("time", change.time_s, "Time from which on it holds").unit("s").positive().required(),
+      Field("model", change.model, {"springs", "ecm"}, "Model that moves the membrane").required(),
+  };
+}
+
 Fields fields(ViewKey& key) {
   return {
       Field("time", key.time_s, "Time of the key").unit("s").required(),
@@ -169,7 +176,7 @@ Fields fields(MicroscopeView& view) {
       Field("size", view.size, "Size of one picture").unit("pixels").range(16, 8192),
       Field("smooth_edges", view.smooth_edges, "Four samples per pixel at edges"),
       Field("vitreous_part", view.vitreous_part,
-            "The vitreous is marched at this part of the width; 0: not drawn")
+            "The vitreous is marched at the width divided by this; 0: not drawn")
           .range(0, 16),
       Field("ambient", view.ambient, "Light without the lamp").range(0, 1),
   };
@@ -214,6 +221,7 @@ std::vector<OperationTable> operation_tables() {
   static MembraneParams params;
   static SheetKeys sheet;
   static VitreousSetup vitreous;
+  static ModelChange change;
   static TaskSetup task;
   static TaskTarget target;
   static ScoreRule rule;
@@ -238,6 +246,7 @@ std::vector<OperationTable> operation_tables() {
       {"shape", "[[shape]] of an operation", fields(shape)},
       {"membrane", "[[body]] of an operation", bodies},
       {"sheet", "sheet = { … } of a [[body]] of an operation", fields(sheet)},
+      {"models", "models = [{ … }] of a [[body]] of an operation", fields(change)},
       {"vitreous", "[vitreous] of an operation", supple::fields(vitreous)},
       {"task", "[[task]] of an operation", supple::fields(task)},
       {"target", "targets = [{ … }] of a [[task]]", supple::fields(target)},

@@ -86,6 +86,9 @@ struct MembraneKeys {
 };
 Fields fields(MembraneKeys& keys);
 
+/// A row of `models` of a [[body]].
+Fields fields(ModelChange& change);
+
 /// A row of `keys` of a [[view]].
 struct ViewKey {
   double time_s = 0, zoom = 1;

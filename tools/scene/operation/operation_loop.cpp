@@ -41,7 +41,7 @@ void OperationLoop::end() {
   m_changed.notify_one();
 }
 
-bool OperationLoop::do_posted() {
+void OperationLoop::do_posted() {
   std::deque<std::function<void()>> posted;
   {
     const std::lock_guard lock(m_guard);
@@ -49,7 +49,6 @@ bool OperationLoop::do_posted() {
   }
   for (const auto& work : posted) work();
   if (!posted.empty()) m_is_seen = false;
-  return !posted.empty();
 }
 
 bool OperationLoop::wait_until(Clock::time_point due) {
@@ -60,7 +59,8 @@ bool OperationLoop::wait_until(Clock::time_point due) {
       m_changed.wait_until(lock, due, is_called);
       if (m_ends) return false;
     }
-    if (!do_posted() && Clock::now() >= due) return true;
+    do_posted();
+    if (Clock::now() >= due) return true;
     if (stands()) return true;
   }
 }

@@ -69,7 +69,7 @@ class OperationLoop {
   using Clock = std::chrono::steady_clock;
   /// Does posted work until it is time. Returns false where it is to end.
   bool wait_until(Clock::time_point due);
-  bool do_posted();
+  void do_posted();
   bool stands() const { return m_is_paused || !m_is_watched; }
   void step();
   void draw();

@@ -134,7 +134,8 @@ struct OperationRun::Impl {
     return 1000 * double(phases.picture.size()) / ms;
   }
   int frame_count() const {
-    return std::max(1, int(scene.step_count() * scene.setup.step_s * scene.frames_per_second));
+    return std::max(1,
+                    int(scene.step_count() * scene.setup.step_s * scene.frames_per_second + 1e-9));
   }
   void step(int n);
   double ssim_of_settled();

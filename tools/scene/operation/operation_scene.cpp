@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "lib/contact/mesh_surface.h"
 #include "tools/scene/operation/operation_keys.h"
@@ -16,10 +17,10 @@ namespace {
 constexpr int kSettledShadowSamples = 16;
 
 InstrumentTrack made_track(Table& table, const std::optional<Vec3d>& incision_mm) {
-  WayKeys key;
   HandKeys hand;
   double before_s = -HUGE_VAL;
   for (Table& row : table.tables("way")) {
+    WayKeys key;
     row.read(fields(key));
     if (!row.has("axis") && incision_mm && *incision_mm != key.pose.tip_mm) {
       key.pose.axis = *incision_mm - key.pose.tip_mm;
@@ -101,8 +102,9 @@ void read_instrument(Table& table, OperationScene& scene) {
   tool.shape.own.hinge_mm = keys.hinge_mm;
   tool.incision = keys.incision;
   const std::optional<Vec3d> incision_mm = incision_of(table, scene.setup, tool.incision);
-  if (keys.track.empty() == !table.has("way"))
-    table.fail_missing("track", "a track, or else a way");
+  const bool has_way = table.has("way");
+  if (!keys.track.empty() && has_way) table.fail("way", "a way beside a track", "one of them");
+  if (keys.track.empty() && !has_way) table.fail_missing("track", "a track, or else a way");
   if (keys.track.empty()) {
     track = made_track(table, incision_mm);
   } else if (table.has("hand")) {
@@ -138,9 +140,10 @@ void read_eye(Table& table, OperationSetup& setup) {
 void read_shape(Table& table, OperationSetup& setup) {
   ShapeKeys keys;
   table.read(fields(keys));
-  if ((keys.kind == "mesh") == keys.path.empty()) {
-    table.fail_missing("path", "the path of a mesh, and kind = \"mesh\"");
+  if (keys.kind != "mesh" && !keys.path.empty()) {
+    table.fail("path", "a path of a " + keys.kind, "one with kind = \"mesh\" only");
   }
+  if (keys.kind == "mesh" && keys.path.empty()) table.fail_missing("path", "the path of a mesh");
   Obstacle shape{keys.name, SphereShape{keys.at, keys.radius_mm}};
   if (keys.kind == "mesh") {
     shape.surface = MeshShape{std::make_shared<const MeshSurface>(read_mesh(keys.path)), keys.at};
@@ -165,6 +168,17 @@ TriangleMesh read_sheet(Table& table, const OperationSetup& setup, const Membran
                             keys.middle.normalized(), keys.radius_mm, keys.nodes);
 }
 
+std::vector<ModelChange> read_changes(Table& table) {
+  std::vector<ModelChange> changes;
+  for (Table& row : table.tables("models")) {
+    ModelChange change;
+    row.read(fields(change));
+    row.finish();
+    changes.push_back(change);
+  }
+  return changes;
+}
+
 void read_membrane(Table& table, OperationScene& scene) {
   MembraneKeys keys;
   OperationMembrane membrane;
@@ -172,8 +186,11 @@ void read_membrane(Table& table, OperationScene& scene) {
   table.read(supple::fields(membrane.params));
   membrane.name = keys.name;
   std::optional<Table> sheet = table.table("sheet");
-  if (keys.path.empty() == !sheet)
+  if (!keys.path.empty() && sheet) table.fail("sheet", "a sheet beside a path", "one of them");
+  if (keys.path.empty() && !sheet) {
     table.fail_missing("path", "the path of a mesh, or else a sheet");
+  }
+  membrane.changes = read_changes(table);
   membrane.mesh = sheet ? read_sheet(*sheet, scene.setup, membrane.params)
                         : merge_equal_vertices(read_mesh(keys.path)).mesh;
   table.finish();
@@ -185,16 +202,40 @@ void read_view(Table& table, OperationScene& scene) {
   MicroscopeView view;
   view.place = table.place();
   table.read(fields(view));
+  double before_s = -HUGE_VAL;
   for (Table& row : table.tables("keys")) {
     ViewKey key;
     row.read(fields(key));
+    if (key.time_s <= before_s) {
+      row.fail("time", number_text(key.time_s), "a time after " + number_text(before_s));
+    }
+    before_s = key.time_s;
     if (row.has("focus")) view.focus_keys.add(key.time_s, key.focus_mm, Easing::smooth);
     if (row.has("zoom")) view.zoom_keys.add(key.time_s, key.zoom, Easing::smooth);
     row.finish();
+    view.camera_at(key.time_s).validate(view.place);
   }
   table.finish();
   view.camera_at(0).validate(view.place);
   scene.views.push_back(std::move(view));
+}
+
+/// Events, tasks and files name things by these.
+void require_own_names(const OperationScene& scene) {
+  std::set<std::string> instruments, places{kRetina, kLens};
+  const auto require_new = [&](std::set<std::string>& names, const std::string& name,
+                               const char* of) {
+    if (!name.empty() && name.find('/') == std::string::npos && names.insert(name).second) return;
+    throw InputError({scene.file, std::string("name of ") + of, "\"" + name + "\"",
+                      "a name of its own without \"/\", not \"retina\" nor \"lens\""});
+  };
+  for (const OperationTool& tool : scene.setup.tools) {
+    require_new(instruments, tool.shape.name, "an [[instrument]]");
+  }
+  for (const Obstacle& shape : scene.setup.shapes) require_new(places, shape.name, "a [[shape]]");
+  for (const OperationMembrane& membrane : scene.setup.membranes) {
+    require_new(places, membrane.name, "a [[body]]");
+  }
 }
 
 }  // namespace
@@ -254,6 +295,16 @@ int OperationScene::step_count() const {
   return std::max(1, int(std::lround(end_s / setup.step_s)));
 }
 
+std::vector<std::string> OperationScene::outputs() const {
+  std::vector<std::string> names{output.log, output.score, output.tracks};
+  for (const MicroscopeView& view : views) {
+    names.push_back(view.image);
+    names.push_back(view.video);
+  }
+  names.erase(std::remove(names.begin(), names.end(), ""), names.end());
+  return names;
+}
+
 OperationScene read_operation(Table root) {
   OperationScene scene;
   scene.file = root.file();
@@ -268,6 +319,10 @@ OperationScene read_operation(Table root) {
   scene.duration_s = keys.duration_s;
   scene.repeats = keys.repeats;
   scene.frames_per_second = keys.frames_per_second;
+  if (keys.frames_per_second * keys.step_s > 1 + 1e-9) {
+    run.fail("frames_per_second", number_text(keys.frames_per_second),
+             "at most one for each step of " + number_text(keys.step_s) + " s");
+  }
   if (auto eye = root.table("eye")) read_eye(*eye, scene.setup);
   for (Table& table : root.tables("shape")) read_shape(table, scene.setup);
   for (Table& table : root.tables("instrument")) read_instrument(table, scene);
@@ -289,6 +344,7 @@ OperationScene read_operation(Table root) {
     table->finish();
   }
   root.finish();
+  require_own_names(scene);
   return scene;
 }
 

@@ -88,6 +88,8 @@ struct OperationScene {
   /// Poses of all instruments that the tracks ask for.
   std::vector<InstrumentPose> poses_at(double time_s) const;
   int step_count() const;
+  /// All outputs, relative as written.
+  std::vector<std::string> outputs() const;
 };
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.

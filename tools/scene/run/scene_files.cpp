@@ -21,13 +21,18 @@ void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPl
 }
 
 void require_inside(const Scene& scene, const std::string& folder) {
+  require_inside(scene.outputs(), scene.file, folder);
+}
+
+void require_inside(const std::vector<std::string>& names, const std::string& file,
+                    const std::string& folder) {
   namespace fs = std::filesystem;
   const fs::path root = fs::absolute(folder).lexically_normal();
-  for (const std::string& name : scene.outputs()) {
+  for (const std::string& name : names) {
     const fs::path path = fs::absolute(path_in(folder, name)).lexically_normal();
     const fs::path inside = path.lexically_relative(root);
     if (!inside.empty() && *inside.begin() != "..") continue;
-    throw InputError({scene.file, "output", name + ", outside of the folder " + folder,
+    throw InputError({file, "output", name + ", outside of the folder " + folder,
                       "a name in the folder, or --allow-outside"});
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/scene/file/scene.h"
 #include "tools/scene/run/output_plan.h"
@@ -17,5 +18,8 @@ void plan_outputs(const SceneOutput& output, const std::string& folder, OutputPl
 /// Throws InputError for an output by an absolute name or by "..", which lies outside of the
 /// folder.
 void require_inside(const Scene& scene, const std::string& folder);
+/// The same for outputs of the file of another kind of scene.
+void require_inside(const std::vector<std::string>& names, const std::string& file,
+                    const std::string& folder);
 
 }  // namespace supple::tools
