@@ -128,7 +128,7 @@ struct Membrane::Impl {
       push.begin(sheet, tools, double(n) / count, part, edge_mm);
       solve(sheet, params, {ground, push});
       count_contacts();
-      push.add_forces(sheet, h, weight, by_motion_mn);
+      push.add_forces(sheet, params, weight, by_motion_mn);
       add_grip_forces(sheet, h, weight, by_tool_mn);
       break_links(sheet, params, h, report);
       tear(sheet, params, h, report);

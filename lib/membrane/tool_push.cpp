@@ -116,10 +116,12 @@ void ToolPush::rub(Sheet& sheet, double friction) {
   }
 }
 
-void ToolPush::add_forces(const Sheet& sheet, double h, double weight,
+void ToolPush::add_forces(const Sheet& sheet, const MembraneParams& params, double weight,
                           std::vector<Vec3d>& forces_mn) const {
+  // Damping that is taken implicitly makes masses seem larger.
+  const double h = params.substep_s, seeming = 1 + h * params.damping_per_s;
   for (const NearNode& near : m_near) {
-    const double per_mm = weight * sheet.mass_kg[near.node] / (h * h);
+    const double per_mm = weight * seeming * sheet.mass_kg[near.node] / (h * h);
     forces_mn[m_cones[near.cone].motion] -= near.push_mm * per_mm;
   }
 }

@@ -21,7 +21,8 @@ class ToolPush {
   /// Takes back slip along tools, up to `friction` times the push.
   void rub(Sheet& sheet, double friction);
   /// Adds the forces at tools of a substep of `h` seconds, in mN, each times `weight`.
-  void add_forces(const Sheet& sheet, double h, double weight, std::vector<Vec3d>& forces_mn) const;
+  void add_forces(const Sheet& sheet, const MembraneParams& params, double weight,
+                  std::vector<Vec3d>& forces_mn) const;
 
   /// Calls `touch(node)` for every node that a tool has pushed in this substep.
   template <class Touch>

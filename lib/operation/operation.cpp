@@ -14,8 +14,6 @@ namespace supple {
 
 namespace {
 
-/// A spot is the same one while touches stay within this distance of it.
-constexpr double kSameSpotMm = 0.5;
 constexpr double kSameTime_s = 1e-9;
 
 const char* kind_name(MembraneEvent::Kind kind) {
@@ -168,13 +166,14 @@ void Operation::Impl::turn_eye(const std::vector<InstrumentPose>& asked) {
   sample.turn_degrees = turn.vector * kDegreesPerRadian;
 }
 
+/// A touch where a spot will grow to belongs to that spot.
 void Operation::Impl::bleed(const ToolTouch& touch, int tool) {
+  const double radius_mm = setup.eye->largest_spot_mm;
   const bool is_known = std::any_of(bleedings.begin(), bleedings.end(), [&](const Bleeding& spot) {
-    return (spot.place_mm - touch.place_mm).length() < std::max(kSameSpotMm, spot.radius_mm);
+    return (spot.place_mm - touch.place_mm).length() < radius_mm;
   });
   if (is_known) return;
   bleedings.push_back({touch.place_mm, 0.05});
-  const double radius_mm = setup.eye->largest_spot_mm;
   add_event("bleeding", tool, kRetina, touch.place_mm, kPi * radius_mm * radius_mm);
 }
 

@@ -14,13 +14,13 @@ const std::vector<std::string> kTaskKinds = {"navigate", "peel", "vitrectomy"};
 constexpr double kRounding = 1e-9;
 
 /// Refuses keys that another kind of task has.
-void require_own_keys(Table& table, TaskKind kind) {
+void require_own_keys(Table& table, ExerciseKind kind) {
   struct KeyOf {
     const char* key;
     bool is_own;
   };
-  const bool is_navigate = kind == TaskKind::navigate;
-  for (const KeyOf& one : {KeyOf{"targets", is_navigate}, KeyOf{"body", kind == TaskKind::peel},
+  const bool is_navigate = kind == ExerciseKind::navigate;
+  for (const KeyOf& one : {KeyOf{"targets", is_navigate}, KeyOf{"body", kind == ExerciseKind::peel},
                            KeyOf{"part", !is_navigate}}) {
     if (one.is_own || !table.has(one.key)) continue;
     table.fail(one.key, "a key of another kind of task",
@@ -62,7 +62,7 @@ TaskSetup read_task(Table& table) {
   }
   table.finish();
   if (setup.name.empty()) setup.name = kTaskKinds[std::size_t(setup.kind)];
-  if (setup.kind != TaskKind::navigate) return setup;
+  if (setup.kind != ExerciseKind::navigate) return setup;
   if (setup.targets.empty()) {
     table.fail_missing("targets", "a list of { at = [x, y, z], radius = 0.5, hold = 1.0 }");
   }
@@ -85,7 +85,7 @@ std::vector<TaskSetup> read_tasks(Table& scene) {
 Value to_value(const TaskSetup& setup) {
   TaskSetup copy = setup;
   Value value = fields_value(fields(copy));
-  const bool is_navigate = setup.kind == TaskKind::navigate;
+  const bool is_navigate = setup.kind == ExerciseKind::navigate;
   if (is_navigate) value.erase("part");
   for (TaskTarget target : setup.targets) {
     value["targets"].push_back(fields_value(fields(target)));
@@ -133,8 +133,8 @@ double TaskWatcher::clinging_mm2(const OperationSample& sample) const {
 
 void TaskWatcher::begin(const OperationSample& sample) {
   add_event(sample, "task_begun", nullptr);
-  if (m_setup.kind == TaskKind::navigate) return;
-  const bool is_peel = m_setup.kind == TaskKind::peel;
+  if (m_setup.kind == ExerciseKind::navigate) return;
+  const bool is_peel = m_setup.kind == ExerciseKind::peel;
   m_whole = is_peel ? clinging_mm2(sample) : sample.vitreous_left;
   require(m_whole > 0, "task.kind", m_whole,
           is_peel ? "a membrane that clings, to be peeled" : "vitreous to be removed",
@@ -168,7 +168,7 @@ std::vector<OperationEvent> TaskWatcher::take(const OperationSample& sample) {
   m_before_s = sample.time_s;
   if (is_done()) return {};
 
-  if (m_setup.kind == TaskKind::navigate) {
+  if (m_setup.kind == ExerciseKind::navigate) {
     watch_target(sample, dt_s);
     const double count = double(m_setup.targets.size());
     const double held = m_active < m_setup.targets.size() ? targets()[m_active].held_part : 0;
@@ -176,7 +176,7 @@ std::vector<OperationEvent> TaskWatcher::take(const OperationSample& sample) {
     if (m_active < m_setup.targets.size()) return m_events;
   } else {
     const double left =
-        m_setup.kind == TaskKind::peel ? clinging_mm2(sample) : sample.vitreous_left;
+        m_setup.kind == ExerciseKind::peel ? clinging_mm2(sample) : sample.vitreous_left;
     m_progress = std::clamp((m_whole - left) / (m_setup.part * m_whole), 0.0, 1.0);
     if (m_progress < 1 - kRounding) return m_events;
   }

@@ -14,7 +14,7 @@
 
 namespace supple {
 
-enum class TaskKind { navigate, peel, vitrectomy };
+enum class ExerciseKind { navigate, peel, vitrectomy };
 
 /// A ball in which a tip is to be held.
 struct TaskTarget {
@@ -25,7 +25,7 @@ struct TaskTarget {
 
 struct TaskSetup {
   std::string name;
-  TaskKind kind = TaskKind::navigate;
+  ExerciseKind kind = ExerciseKind::navigate;
   std::string instrument;           // that does it
   std::vector<TaskTarget> targets;  // of navigate
   std::string body;                 // of peel; empty: all membranes

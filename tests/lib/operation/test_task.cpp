@@ -19,7 +19,7 @@ TaskSetup two_targets() {
   return task;
 }
 
-TaskSetup task_of(TaskKind kind, double part) {
+TaskSetup task_of(ExerciseKind kind, double part) {
   TaskSetup task;
   task.name = "task";
   task.kind = kind;
@@ -108,7 +108,7 @@ TEST(UnitTask, ProgressAndTargetsTellWhatIsHeld) {
 }
 
 TEST(UnitTask, APeelEndsWhereItsPartOfTheClingingAreaIsFree) {
-  TaskWatcher watcher(task_of(TaskKind::peel, 0.5), {"needle"});
+  TaskWatcher watcher(task_of(ExerciseKind::peel, 0.5), {"needle"});
   OperationSample sample;
   std::vector<double> progress;
   for (const double area : {40.0, 30.0, 20.0, 25.0}) {
@@ -122,7 +122,7 @@ TEST(UnitTask, APeelEndsWhereItsPartOfTheClingingAreaIsFree) {
 }
 
 TEST(UnitTask, APeelOfOneMembraneLooksAtThatOne) {
-  TaskSetup task = task_of(TaskKind::peel, 1);
+  TaskSetup task = task_of(ExerciseKind::peel, 1);
   task.body = "ilm";
   task.place = "scene.toml:7";
   TaskWatcher watcher(task, {});
@@ -140,7 +140,7 @@ TEST(UnitTask, APeelOfOneMembraneLooksAtThatOne) {
 }
 
 TEST(UnitTask, AVitrectomyEndsWhereItsPartIsRemoved) {
-  TaskWatcher watcher(task_of(TaskKind::vitrectomy, 0.8), {});
+  TaskWatcher watcher(task_of(ExerciseKind::vitrectomy, 0.8), {});
   OperationSample sample;
   watcher.take(sample);
   sample.vitreous_left = 0.6;
@@ -202,7 +202,7 @@ TEST(FaultTask, TasksThatCannotBeDoneAreRefusedWithTheirLine) {
 }
 
 TEST(FaultTask, AMembraneThatClingsNowhereCannotBePeeled) {
-  TaskSetup task = task_of(TaskKind::peel, 0.9);
+  TaskSetup task = task_of(ExerciseKind::peel, 0.9);
   task.place = "scene.toml:3";
   TaskWatcher watcher(task, {});
   EXPECT_EQ(input_error([&] { watcher.take({}); }),

@@ -30,12 +30,14 @@ const Vec3d* incision_of(const OperationSetup& setup, std::size_t instrument) {
 }
 
 /// Place and magnification of the microscope from a time on.
-struct Look {
+struct SteppedLook {
   double time_s;
   Vec3d focus_mm;
   double zoom;
 
-  bool is_as(const Look& other) const { return focus_mm == other.focus_mm && zoom == other.zoom; }
+  bool is_as(const SteppedLook& other) const {
+    return focus_mm == other.focus_mm && zoom == other.zoom;
+  }
 };
 
 }  // namespace
@@ -70,13 +72,13 @@ struct LiveOperation::Impl {
   std::vector<InstrumentPose> asked;         // per instrument
   std::vector<char> led;                     // by a hand
   std::vector<std::vector<TrackKey>> poses;  // per instrument: of all steps
-  std::vector<Look> looks;                   // where they change
+  std::vector<SteppedLook> looks;            // where they change
   int steps = 0, restarts = 0;
 
   explicit Impl(const Table& given);
   void begin();
   MicroscopeView& view() { return scene.views.front(); }
-  Look look_at(double time_s) const {
+  SteppedLook look_at(double time_s) const {
     const MicroscopeView& view = scene.views.front();
     return {time_s, view.focus_at(time_s), view.zoom_at(time_s)};
   }
@@ -106,8 +108,8 @@ void LiveOperation::Impl::begin() {
 
 /// Looks are kept so that they change smoothly, as those of scenes do, from one step to the next.
 void LiveOperation::Impl::keep_look(double time_s) {
-  const Look now = look_at(time_s);
-  const Look last = looks.back();
+  const SteppedLook now = look_at(time_s);
+  const SteppedLook last = looks.back();
   if (now.is_as(last)) return;
   const double before_s = (steps - 1) * scene.setup.step_s;
   if (last.time_s < before_s) looks.push_back({before_s, last.focus_mm, last.zoom});
@@ -119,7 +121,7 @@ Value LiveOperation::Impl::saved_view() const {
   Value view = root.contains("view") ? root["view"][0] : Value(Value::Entries());
   view.erase("focus");
   Value keys = Value::List();
-  for (const Look& look : looks) {
+  for (const SteppedLook& look : looks) {
     keys.push_back({{"time", look.time_s}, {"focus", look.focus_mm}, {"zoom", look.zoom}});
   }
   view["keys"] = keys;
