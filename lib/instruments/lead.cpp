@@ -148,7 +148,9 @@ class Leader {
     if (std::holds_alternative<HollowSphere>(surface)) return true;
     if (std::holds_alternative<PlaneShape>(surface)) return true;
     // A plane that touches something convex has all of it behind.
-    if (!std::holds_alternative<MeshShape>(surface)) {
+    const bool is_convex =
+        !std::holds_alternative<MeshShape>(surface) && !std::holds_alternative<VoxelSolid>(surface);
+    if (is_convex) {
       const Approach first = approach(from, surface), second = approach(to, surface);
       if (-behind(to, first.place_mm, first.normal) >= least_mm) return true;
       if (-behind(from, second.place_mm, second.normal) >= least_mm) return true;

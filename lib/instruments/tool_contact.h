@@ -9,6 +9,7 @@
 
 #include "lib/contact/collider_contact.h"
 #include "lib/instruments/instrument.h"
+#include "lib/instruments/voxel_solid.h"
 
 namespace supple {
 
@@ -24,7 +25,8 @@ struct HollowSphere {
 struct LensShape {
   SphereShape front, back;
 };
-using RigidSurface = std::variant<HollowSphere, LensShape, SphereShape, PlaneShape, MeshShape>;
+using RigidSurface =
+    std::variant<HollowSphere, LensShape, SphereShape, PlaneShape, MeshShape, VoxelSolid>;
 
 struct Obstacle {
   std::string name;
@@ -32,7 +34,8 @@ struct Obstacle {
 };
 
 /// Finds how near a round cone is to a surface, negative where it enters. Exact up to rounding, for
-/// meshes up to 1 um, and up to 2 % of what is beyond their neighbourhood of a radius.
+/// meshes and solids of voxels up to 1 um, and up to 2 % of what is beyond their neighbourhood of a
+/// radius.
 Approach approach(const RoundCone& part, const RigidSurface& surface);
 
 struct ToolTouch {

@@ -64,6 +64,10 @@ Approach of_point(const MeshShape& mesh, const Vec3d& p) {
   return {found.distance_mm, p - found.normal * found.distance_mm, found.normal};
 }
 
+Approach of_point(const VoxelSolid& solid, const Vec3d& p) {
+  return solid.distance_to(p);
+}
+
 template <class Surface>
 Approach of_ball(const Surface& surface, const Ball& ball) {
   Approach found = of_point(surface, ball.centre_mm);
@@ -168,15 +172,16 @@ double least_between(const AxisPiece& piece, double length_mm, double change_mm,
   return std::max(even, a + (b - a) * x - x * (1 - x) * bend);
 }
 
-/// Branch and bound along the axis.
-Approach of_cone(const MeshShape& mesh, const RoundCone& cone) {
+/// Branch and bound along the axis: of meshes and solids of voxels.
+template <class Surface>
+Approach of_cone(const Surface& surface, const RoundCone& cone) {
   constexpr double kExactMm = 1e-3;
   constexpr int kMaxQueries = 2000;
   const double length = (cone.b_mm - cone.a_mm).length();
   const double change = std::abs(cone.b_radius_mm - cone.a_radius_mm);
   const double thin = std::max(1e-3, std::min(cone.a_radius_mm, cone.b_radius_mm));
-  Approach best = of_ball(mesh, ball_at(cone, 0));
-  const Approach end = of_ball(mesh, ball_at(cone, 1));
+  Approach best = of_ball(surface, ball_at(cone, 0));
+  const Approach end = of_ball(surface, ball_at(cone, 1));
   std::vector<AxisPiece> open = {{0, 1, best.distance_mm, end.distance_mm}};
   if (end.distance_mm < best.distance_mm) best = end;
   for (int queries = 0; !open.empty() && queries < kMaxQueries; ++queries) {
@@ -188,7 +193,7 @@ Approach of_cone(const MeshShape& mesh, const RoundCone& cone) {
       continue;
     }
     const double middle = (piece.from + piece.to) / 2;
-    const Approach found = of_ball(mesh, ball_at(cone, middle));
+    const Approach found = of_ball(surface, ball_at(cone, middle));
     if (found.distance_mm < best.distance_mm) best = found;
     AxisPiece nearer{piece.from, middle, piece.from_room_mm, found.distance_mm};
     AxisPiece farther{middle, piece.to, found.distance_mm, piece.to_room_mm};

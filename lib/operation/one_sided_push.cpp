@@ -10,14 +10,16 @@ namespace {
 
 constexpr std::int32_t kNowhere = kMaxOffset / 2;  // beyond what anchors allow
 
-/// The envelope of the anchors at 0 in one direction.
+/// The envelope of the anchors in one direction.
 BrickValues envelope_of(const Body& body, const SlotSet& anchors, int coordinate,
                         Direction direction, Propagator& propagator) {
   const std::int32_t from = direction == Direction::raise ? -kNowhere : kNowhere;
   BrickValues values(body.elements.brick_count());
   for_each_element(body.elements, [&](Slot slot) { values.set(slot, from); });
   std::vector<Seed> seeds;
-  anchors.for_each([&](Slot slot) { seeds.push_back({slot, 0}); });
+  anchors.for_each([&](Slot slot) {
+    seeds.push_back({slot, body.q[std::size_t(coordinate)].at(slot)});
+  });
   propagator.run({coordinate, direction, values}, seeds);
   return values;
 }
@@ -44,11 +46,11 @@ std::int32_t floor_mean(std::int32_t a, std::int32_t b) {
 OneSidedPush::OneSidedPush(Body& body, const SlotSet& anchors) : m_body(body) {
   parallel_for(std::size_t(3), [&](std::size_t c) {
     Coordinate& own = m_coordinates[c];
+    body.q[c].resize(body.elements.brick_count());
     own.propagator = std::make_unique<Propagator>(body);
     own.least = envelope_of(body, anchors, int(c), Direction::raise, *own.propagator);
     own.most = envelope_of(body, anchors, int(c), Direction::lower, *own.propagator);
     own.changed.assign(body.elements.brick_count(), {});
-    body.q[c].resize(body.elements.brick_count());
   });
 }
 

@@ -27,7 +27,7 @@ struct OneSidedAsks {
 
 class OneSidedPush {
  public:
-  /// Refers to the body, which is at rest and whose elements must not change. Links may be cut: the
+  /// Refers to the body, whose links hold and whose elements must not change. Links may be cut: the
   /// anchors then bound what they held before as they did.
   OneSidedPush(Body& body, const SlotSet& anchors);
 

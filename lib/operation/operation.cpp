@@ -41,6 +41,8 @@ struct Operation::Impl {
   std::vector<Obstacle> obstacles;
   std::vector<Membrane> membranes;
   std::unique_ptr<Vitreous> vitreous;
+  std::unique_ptr<PushedBody> volume;
+  PushReport pushed;
   EyeTurn turn;
   std::vector<Bleeding> bleedings;
   OperationSample sample;
@@ -138,6 +140,9 @@ Operation::Impl::Impl(const OperationSetup& given) : setup(given), obstacles(giv
   }
   if (setup.vitreous) {
     vitreous = std::make_unique<Vitreous>(*setup.vitreous, Vec3d(0.0), setup.seed, obstacles);
+  }
+  if (setup.volume) {
+    volume = std::make_unique<PushedBody>(*setup.volume->body, setup.volume->held);
   }
 }
 
@@ -277,6 +282,9 @@ const OperationSample& Operation::step(const std::vector<InstrumentPose>& asked)
   const Stopwatch vitreous;
   in.move_vitreous(motions);
   in.times.vitreous_ms = vitreous.ms();
+  const Stopwatch volume;
+  if (in.volume) in.pushed = in.volume->push(parts_of(motions));
+  in.times.volume_ms = volume.ms();
   const Stopwatch membranes;
   in.move_membranes(motions);
   in.times.membranes_ms = membranes.ms();
@@ -305,6 +313,9 @@ const std::vector<Membrane>& Operation::membranes() const {
 }
 const Vitreous* Operation::vitreous() const {
   return m_impl->vitreous.get();
+}
+const PushReport& Operation::pushed() const {
+  return m_impl->pushed;
 }
 const EyeTurn& Operation::turn() const {
   return m_impl->turn;
@@ -338,6 +349,10 @@ std::string Operation::digest() const {
   }
   if (in.vitreous) {
     const std::string bytes = in.vitreous->state_bytes();
+    digest.update(bytes.data(), bytes.size());
+  }
+  if (in.volume) {
+    const std::string bytes = in.volume->state_bytes();
     digest.update(bytes.data(), bytes.size());
   }
   return digest.hex();

@@ -3,8 +3,8 @@
 // goes on in equal steps; a step depends on the state and on the poses that are asked for, and on
 // nothing else, so that tracks replay to the same bits.
 //
-// Order of a step: the eye turns, instruments go as far as rigid surfaces let them, the voxel body
-// and membranes follow, touches bleed. All bodies live in the eye's frame.
+// Order of a step: the eye turns, instruments go as far as rigid surfaces let them, the voxel
+// bodies and membranes follow, touches bleed. All bodies live in the eye's frame.
 //
 // Parts that a scene does not have take neither memory nor time.
 #pragma once
@@ -18,6 +18,7 @@
 #include "lib/membrane/membrane.h"
 #include "lib/operation/eye.h"
 #include "lib/operation/operation_sample.h"
+#include "lib/operation/pushed_body.h"
 #include "lib/operation/vitreous.h"
 
 namespace supple {
@@ -42,6 +43,12 @@ struct OperationMembrane {
   std::vector<ModelChange> changes = {};
 };
 
+/// A scanned body of voxels, which lives as long as the operation and is moved by it alone.
+struct OperationVolume {
+  Body* body = nullptr;
+  SlotSet held;  // elements that stay where they are
+};
+
 struct OperationSetup {
   double step_s = 0.02;
   std::optional<EyeSetup> eye;
@@ -49,12 +56,13 @@ struct OperationSetup {
   std::vector<OperationTool> tools;
   std::vector<OperationMembrane> membranes;
   std::optional<VitreousSetup> vitreous;
+  std::optional<OperationVolume> volume;
   std::uint64_t seed = 1;
 };
 
 /// Milliseconds of the parts of a step.
 struct OperationTimes {
-  double contact_ms = 0, vitreous_ms = 0, membranes_ms = 0, total_ms = 0;
+  double contact_ms = 0, vitreous_ms = 0, volume_ms = 0, membranes_ms = 0, total_ms = 0;
 };
 
 class Operation {
@@ -76,6 +84,8 @@ class Operation {
   const std::vector<Obstacle>& obstacles() const;
   const std::vector<Membrane>& membranes() const;
   const Vitreous* vitreous() const;
+  /// What the last step did to the scanned body.
+  const PushReport& pushed() const;
   const EyeTurn& turn() const;
   const std::vector<Bleeding>& bleedings() const;
   /// Digest of all that the next step depends on: SHA-256.

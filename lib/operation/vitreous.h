@@ -1,11 +1,6 @@
-// Translucent body of voxels under instruments: Enhanced ChainMail pushed by instruments, cut and
-// removed at a vitrector's port (thesis section 6.1.2: intended for EyeSi, "as soon as volume
-// visualization is available").
-//
-// Quasi-static: what a tool leaves stays where it was pushed to. Instruments slide in it: elements
-// that they enter go out along the normal of the surface, one-sidedly, in substeps short against
-// the tool. Limits of links come first: where they leave no room an element stays in the tool.
-// Memory does not grow.
+// Translucent body of voxels under instruments: pushed (pushed_body.h), cut and removed at a
+// vitrector's port (thesis section 6.1.2: intended for EyeSi, "as soon as volume visualization is
+// available").
 #pragma once
 
 #include <array>

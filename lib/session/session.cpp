@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "lib/material/material.h"
+#include "lib/relax/relaxation.h"
 #include "lib/session/body_changes.h"
 #include "lib/session/deformable_mesh.h"
 #include "lib/session/handles/handle_places.h"
@@ -158,6 +159,16 @@ const Geometry& Session::geometry() const {
 }
 const Body& Session::body() const {
   return m_parts->in.body;
+}
+Body& Session::body_to_push() {
+  if (m_parts->history) throw std::logic_error("body_to_push() of a session that can undo");
+  m_parts->pose.reset();
+  return m_parts->in.body;
+}
+SlotSet Session::held() const {
+  SlotSet held = anchored_elements(body(), m_parts->in.anchors, m_parts->in.holds);
+  for (const RigidPiece& piece : body().rigid.list) held.add(*piece.elements);
+  return held;
 }
 const MaterialTable& Session::material() const {
   return m_parts->in.material;

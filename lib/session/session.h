@@ -53,6 +53,11 @@ class Session {
 
   const Geometry& geometry() const;
   const Body& body() const;
+  /// The body, for code that pushes it beside steps: offsets alone may change, and all links hold
+  /// afterwards. Journals do not know of it. Throws std::logic_error with keeps_undo.
+  Body& body_to_push();
+  /// Elements that stay where they are: anchors, rigid pieces, and what handles hold.
+  SlotSet held() const;
   const MaterialTable& material() const;
   /// True if steps with Step::shift_pieces have left pieces that are still to turn.
   bool has_shifted_pieces() const;

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "tools/console/command.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/operation/operation_run.h"
 #include "tools/scene/run/scene_files.h"
 #include "volumes/base/json.h"
@@ -67,6 +68,7 @@ int run_operation(Table root, const OperationCommand& command, const GlobalOptio
   if (command.is_replay) {
     scene.output = {};
     for (MicroscopeView& view : scene.views) view.image = view.video = "";
+    if (scene.volume) scene.volume->views.clear();
     if (!command.image.empty() && scene.views.empty()) {
       throw InputError({scene.file, "view", "none", "a table [[view]] for --image"});
     }
@@ -77,7 +79,7 @@ int run_operation(Table root, const OperationCommand& command, const GlobalOptio
   }
   OperationOptions options;
   options.draws_every_step = command.is_replay && !command.is_dry;
-  OperationRun run(scene, command.folder, options);
+  OperationRun run(scene, command.folder, options, console);
   const OutputPlan plan = run.plan(global.force || command.is_dry);
   if (command.is_dry) {
     std::printf("%d steps of %g s\n", scene.step_count(), scene.setup.step_s);

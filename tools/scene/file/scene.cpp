@@ -253,13 +253,7 @@ Scene read_scene(const std::string& path) {
   return read_scene(Table::read(path));
 }
 
-Scene read_scene(Table root) {
-  Scene scene;
-  scene.file = root.file();
-
-  root.know(
-      {"volume", "labels", "material", "body", "step", "view", "path", "output", "film", "event"});
-  scene.has_events = root.has("event");
+void read_subject(Table& root, Scene& scene) {
   Table volume = root.require(root.table("volume"), "volume", "a table [volume] with a path");
   volume.know({"path", "offsets"});
   volume.read(fields(scene.read));
@@ -276,16 +270,26 @@ Scene read_scene(Table root) {
   if (auto material = root.table("material")) {
     scene.material = read_material_choice(*material, names, &scene.material_path);
   }
-  scene.bodies = read_bodies(root);
   for (Table& step : root.tables("step")) {
     scene.steps.push_back(read_step(step, names));
   }
   const int steps = int(scene.steps.size());
+  keep_nodes(scene.steps);
   for (Table& view : root.tables("view")) scene.views.push_back(read_view(view, steps));
+}
+
+Scene read_scene(Table root) {
+  Scene scene;
+  scene.file = root.file();
+
+  root.know(
+      {"volume", "labels", "material", "body", "step", "view", "path", "output", "film", "event"});
+  scene.has_events = root.has("event");
+  scene.bodies = read_bodies(root);
+  read_subject(root, scene);
   scene.path = read_path(root);
   if (auto output = root.table("output")) scene.output = read_output(*output);
   ask_for_elements(scene);
-  keep_nodes(scene.steps);
   require_motion(scene);
   if (auto film = root.table("film")) {
     read_film(*film, scene);

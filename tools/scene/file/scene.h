@@ -96,5 +96,8 @@ struct Scene {
 Scene read_scene(const std::string& path);
 /// The root of a file, or the options of a command as one.
 Scene read_scene(Table root);
+/// Reads what is seen and how it gets there: volume, labels, material, steps and views. Throws as
+/// read_scene().
+void read_subject(Table& root, Scene& scene);
 
 }  // namespace supple::tools

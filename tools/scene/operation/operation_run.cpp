@@ -5,11 +5,14 @@
 #include <numeric>
 
 #include "raycast/pictures/compare.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/live/replay.h"
+#include "tools/scene/operation/operated_volume.h"
 #include "tools/scene/operation/operation_picture.h"
 #include "tools/scene/operation/operation_record.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/scene_files.h"
+#include "tools/scene/run/scene_run.h"
 #include "volumes/base/error.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/stopwatch.h"
@@ -77,9 +80,9 @@ Value times_value(const std::vector<float>& ms) {
 }
 
 /// An operation whose errors name the scene's file.
-Operation operation_of(const OperationScene& scene) {
+Operation operation_of(const OperationScene& scene, OperatedVolume* volume) {
   try {
-    return Operation(scene.setup);
+    return Operation(volume == nullptr ? scene.setup : volume->joined_to(scene.setup));
   } catch (const InputError& error) {
     Problem problem = error.problem();
     if (problem.file.empty()) problem.file = scene.file;
@@ -98,6 +101,7 @@ struct OperationRun::Impl {
   const OperationScene& scene;
   std::string folder;
   OperationOptions options;
+  std::unique_ptr<OperatedVolume> volume;  // where there is one
   Operation operation;
   OperationRecord record;
   std::unique_ptr<OperationPicture> picture;  // where something is drawn
@@ -106,15 +110,17 @@ struct OperationRun::Impl {
   int steps = 0;
   double wall_s = 0, settled_ssim = 1;
 
-  Impl(const OperationScene& given, std::string to, const OperationOptions& wanted)
+  Impl(const OperationScene& given, std::string to, const OperationOptions& wanted,
+       Progress& progress)
       : scene(given),
         folder(std::move(to)),
         options(wanted),
-        operation(operation_of(given)),
+        volume(given.volume ? std::make_unique<OperatedVolume>(given, folder, progress) : nullptr),
+        operation(operation_of(given, volume.get())),
         record(given, operation) {}
 
   bool draws() const {
-    if (options.draws_every_step) return true;
+    if (options.draws_every_step) return !scene.volume;
     return std::any_of(scene.views.begin(), scene.views.end(), [&](const MicroscopeView& view) {
       return !view.image.empty() || (options.makes_videos && !view.video.empty());
     });
@@ -133,10 +139,6 @@ struct OperationRun::Impl {
                       std::accumulate(phases.update.begin(), phases.update.end(), 0.0);
     return 1000 * double(phases.picture.size()) / ms;
   }
-  int frame_count() const {
-    return std::max(1,
-                    int(scene.step_count() * scene.setup.step_s * scene.frames_per_second + 1e-9));
-  }
   void step(int n);
   double ssim_of_settled();
   void draw_step(int n, std::vector<ViewVideo>& videos, int& frames);
@@ -152,14 +154,17 @@ void OperationRun::Impl::step(int n) {
   record.take(operation, asked);
   phases.contact.push_back(float(operation.times().contact_ms));
   phases.vitreous.push_back(float(operation.times().vitreous_ms));
+  if (volume) phases.volume.push_back(float(operation.times().volume_ms));
   phases.membranes.push_back(float(operation.times().membranes_ms));
   phases.step.push_back(float(operation.times().total_ms));
 }
 
 void OperationRun::Impl::draw_step(int n, std::vector<ViewVideo>& videos, int& frames) {
-  if (!picture) return;
   const double time_s = (n + 1) * scene.setup.step_s;
-  const bool is_frame = !videos.empty() && time_s * scene.frames_per_second >= frames + 1 - 1e-9;
+  const bool is_due = time_s * scene.frames_per_second >= frames + 1 - 1e-9;
+  if (volume && is_due && frames < scene.frame_count()) volume->draw_frame(operation, frames++);
+  if (!picture) return;
+  const bool is_frame = !videos.empty() && is_due;
   if (!is_frame && !options.draws_every_step && n + 1 < scene.step_count()) return;
   const Stopwatch update;
   picture->follow(operation, record.balls());
@@ -196,6 +201,7 @@ void OperationRun::Impl::write_files(std::vector<ViewVideo>& videos) {
   PendingFiles files;
   write_images(files);
   record.write(folder, files);
+  if (volume) volume->make_videos(files);
   for (ViewVideo& video : videos) video.finish();
   const CommonCommit all;
   record.commit();
@@ -204,18 +210,19 @@ void OperationRun::Impl::write_files(std::vector<ViewVideo>& videos) {
 }
 
 OperationRun::OperationRun(const OperationScene& scene, std::string folder,
-                           const OperationOptions& options)
-    : m_impl(std::make_unique<Impl>(scene, std::move(folder), options)) {}
+                           const OperationOptions& options, Progress& progress)
+    : m_impl(std::make_unique<Impl>(scene, std::move(folder), options, progress)) {}
 OperationRun::~OperationRun() = default;
 
 OutputPlan OperationRun::plan(bool may_overwrite) const {
   const Impl& in = *m_impl;
-  OutputPlan plan(may_overwrite, true);
+  OutputPlan plan = in.scene.volume ? check_scene(*in.scene.volume, in.folder, may_overwrite)
+                                    : OutputPlan(may_overwrite, true);
   plan.protect(in.scene.file);
   for (const MicroscopeView& view : in.scene.views) {
     if (!view.image.empty()) plan.add_image(path_in(in.folder, view.image));
   }
-  for (const ViewVideo& video : in.videos()) plan.add_files(video.files(in.frame_count()));
+  for (const ViewVideo& video : in.videos()) plan.add_files(video.files(in.scene.frame_count()));
   in.record.plan(in.folder, plan);
   return plan;
 }
@@ -252,6 +259,7 @@ Value OperationRun::report() const {
                  {"vitreous", times_value(in.phases.vitreous)},
                  {"membranes", times_value(in.phases.membranes)},
                  {"step", times_value(in.phases.step)}};
+  if (!in.phases.volume.empty()) times["volume"] = times_value(in.phases.volume);
   if (!in.phases.update.empty()) times["update"] = times_value(in.phases.update);
   if (!in.phases.picture.empty()) times["picture"] = times_value(in.phases.picture);
   Value report = {{"steps", in.steps},
@@ -269,6 +277,7 @@ Value OperationRun::report() const {
     report["pairs"] = in.scene.views.front().stereo != StereoKind::none;
     report["settled_ssim"] = in.settled_ssim;
   }
+  if (in.volume) report["elements"] = in.volume->element_count();
   report.update(in.record.report());
   return report;
 }

@@ -26,13 +26,15 @@ struct OperationOptions {
 
 /// Times of all steps in ms.
 struct OperationPhases {
-  std::vector<float> contact, vitreous, membranes, step, update, picture;
+  std::vector<float> contact, vitreous, volume, membranes, step, update, picture;
 };
 
 class OperationRun {
  public:
-  /// Throws as Operation. Outputs go below `folder`.
-  OperationRun(const OperationScene& scene, std::string folder, const OperationOptions& options);
+  /// Throws as Operation and OperatedVolume. Outputs go below `folder`. Refers to the scene and to
+  /// `progress`.
+  OperationRun(const OperationScene& scene, std::string folder, const OperationOptions& options,
+               Progress& progress);
   ~OperationRun();
 
   /// Files that it will write; throws as OutputPlan.

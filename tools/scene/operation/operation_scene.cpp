@@ -5,6 +5,7 @@
 #include <set>
 
 #include "lib/contact/mesh_surface.h"
+#include "tools/scene/file/scene.h"
 #include "tools/scene/operation/operation_keys.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
@@ -238,6 +239,22 @@ void require_own_names(const OperationScene& scene) {
   }
 }
 
+/// The scanned volume, once all that tells the number of frames is there.
+void read_volume(Table& root, OperationScene& scene) {
+  scene.volume = std::make_shared<Scene>();
+  scene.volume->file = scene.file;
+  read_subject(root, *scene.volume);
+  Film film;
+  film.frames = scene.frame_count();
+  film.frames_per_second = scene.frames_per_second;
+  for (int frame = 0; frame < film.frames; ++frame) film.frames_to_make.push_back(frame);
+  for (SceneView& view : scene.volume->views) {
+    view.picture.film = film.frames;
+    view.picture.frames_per_second = film.frames_per_second;
+  }
+  scene.volume->film = film;
+}
+
 }  // namespace
 
 bool is_operation(Table& root) {
@@ -305,11 +322,15 @@ std::vector<std::string> OperationScene::outputs() const {
   return names;
 }
 
+int OperationScene::frame_count() const {
+  return std::max(1, int(step_count() * setup.step_s * frames_per_second + 1e-9));
+}
+
 OperationScene read_operation(Table root) {
   OperationScene scene;
   scene.file = root.file();
   root.know({"operation", "eye", "instrument", "shape", "body", "vitreous", "task", "score", "view",
-             "output"});
+             "output", "volume", "labels", "material", "step"});
   Table run = root.require(root.table("operation"), "operation", "a table [operation]");
   RunKeys keys;
   run.read(fields(keys));
@@ -334,7 +355,11 @@ OperationScene read_operation(Table root) {
   }
   scene.tasks = read_tasks(root);
   scene.rules = read_score_rules(root);
-  for (Table& table : root.tables("view")) read_view(table, scene);
+  if (root.has("volume")) {
+    read_volume(root, scene);
+  } else {
+    for (Table& table : root.tables("view")) read_view(table, scene);
+  }
   if (auto table = root.table("output")) {
     table->read(fields(scene.output));
     const std::string& tracks = scene.output.tracks;

@@ -1,8 +1,10 @@
 // Scene files of operations: a scene with a table [operation]. Instruments with tracks, rigid
-// shapes, membranes, an eye, a voxel body, tasks and rules of scores, and views as under a
-// microscope (docs/operations.md). Paths of inputs are relative to the file.
+// shapes, membranes, an eye, voxel bodies, tasks and rules of scores, and views as under a
+// microscope, of a scanned volume as in any scene (docs/operations.md). Paths of inputs are
+// relative to the file.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +19,8 @@
 #include "volumes/geometry/keyframes.h"
 
 namespace supple::tools {
+
+struct Scene;
 
 /// True for the root of an operation's scene.
 bool is_operation(Table& root);
@@ -80,6 +84,9 @@ struct OperationScene {
   std::vector<TaskSetup> tasks;
   std::vector<ScoreRule> rules;
   std::vector<MicroscopeView> views;
+  /// A scanned volume with its first steps and its views, which are films of the operation and then
+  /// all that there are; null without.
+  std::shared_ptr<Scene> volume;
   OperationOutput output;
   double duration_s = 0;          // 0 as given: until the last track ends
   bool repeats = false;           // tracks begin again when they end
@@ -90,6 +97,7 @@ struct OperationScene {
   int step_count() const;
   /// All outputs, relative as written.
   std::vector<std::string> outputs() const;
+  int frame_count() const;  // of videos
 };
 
 /// Throws InputError: unknown key (line and suggestion), wrong type or value, missing key.

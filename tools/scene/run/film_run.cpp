@@ -9,6 +9,7 @@
 #include "tools/scene/pictures/video.h"
 #include "tools/scene/run/film_record.h"
 #include "tools/scene/run/frames.h"
+#include "tools/scene/run/scene_files.h"
 #include "tools/scene/run/scene_poses.h"
 #include "tools/scene/run/scene_run.h"
 
@@ -114,26 +115,29 @@ void SceneRun::run_film() {
   make_videos();
 }
 
-/// Makes videos of the files, so that they are the same whichever runs made those.
 void SceneRun::make_videos() {
   if (!m_scene.film->makes_videos) return;
   for (const SceneView& view : m_scene.views) {
-    const PictureOptions& options = view.picture;
-    if (options.video.empty()) continue;
-    std::unique_ptr<VideoEncoder> encoder;
     PendingFiles files;
-    const std::string path = path_of(options.video);
-    for (int frame = 0; frame < options.film; ++frame) {
-      const Image image = read_png(path_of(frame_name(view.image, frame)));
-      if (encoder == nullptr) {
-        encoder = std::make_unique<VideoEncoder>(files.add(path).path(), path, image.width,
-                                                 image.height, options.frames_per_second, "");
-      }
-      encoder->add(image);
-    }
-    encoder->finish();
+    make_video(view, m_folder, files);
     files.commit();
   }
+}
+
+void make_video(const SceneView& view, const std::string& folder, PendingFiles& files) {
+  const PictureOptions& options = view.picture;
+  if (options.video.empty()) return;
+  std::unique_ptr<VideoEncoder> encoder;
+  const std::string path = path_in(folder, options.video);
+  for (int frame = 0; frame < options.film; ++frame) {
+    const Image image = read_png(path_in(folder, frame_name(view.image, frame)));
+    if (encoder == nullptr) {
+      encoder = std::make_unique<VideoEncoder>(files.add(path).path(), path, image.width,
+                                               image.height, options.frames_per_second, "");
+    }
+    encoder->add(image);
+  }
+  encoder->finish();
 }
 
 }  // namespace supple::tools

@@ -2,6 +2,8 @@
 // the deformed state.
 #pragma once
 
+#include <string>
+
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/view_pictures.h"
 
@@ -14,6 +16,10 @@ namespace supple::tools {
 /// that the subject does not have.
 void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter& writer,
                RenderReport* report, Progress& progress);
+
+/// Makes the video of a view in a film, where it wants one, of the files of its frames, so that it
+/// is the same whichever runs made those.
+void make_video(const SceneView& view, const std::string& folder, PendingFiles& files);
 
 class ViewDrawing;
 
