@@ -19,6 +19,11 @@ SurfaceDistance distance_of(const LensShape& s, const Vec3d& p) {
   return front.distance_mm > back.distance_mm ? front : back;
 }
 
+SurfaceDistance distance_of(const VoxelSolid& s, const Vec3d& p) {
+  const Approach near = s.distance_to(p);
+  return {near.distance_mm, near.normal};
+}
+
 template <class Known>
 SurfaceDistance distance_of(const Known& s, const Vec3d& p) {
   return distance_to(Shape(s), p);
