@@ -43,6 +43,27 @@ bool is_clear_of(const Vec3d& place_mm, const RoundCone& cone) {
   return off.dot(off) > radius * radius;
 }
 
+/// Box around cones: rules most bricks of a large body out.
+struct ConeBox {
+  Vec3d lo{HUGE_VAL}, hi{-HUGE_VAL};
+
+  explicit ConeBox(const std::vector<RoundCone>& cones) {
+    for (const RoundCone& cone : cones) {
+      const double radius = std::max(cone.a_radius_mm, cone.b_radius_mm);
+      for (int c = 0; c < 3; ++c) {
+        lo[c] = std::min({lo[c], cone.a_mm[c] - radius, cone.b_mm[c] - radius});
+        hi[c] = std::max({hi[c], cone.a_mm[c] + radius, cone.b_mm[c] + radius});
+      }
+    }
+  }
+  bool meets(const Vec3d& middle, double radius) const {
+    for (int c = 0; c < 3; ++c) {
+      if (middle[c] + radius < lo[c] || middle[c] - radius > hi[c]) return false;
+    }
+    return true;
+  }
+};
+
 }  // namespace
 
 struct PushedBody::Impl {
@@ -121,8 +142,10 @@ void PushedBody::Impl::find_ball(std::size_t b) {
 }
 
 std::vector<std::size_t> PushedBody::Impl::bricks_near(const std::vector<RoundCone>& cones) const {
+  const ConeBox box(cones);
   std::vector<std::size_t> near;
   for (std::size_t b = 0; b < balls.size(); ++b) {
+    if (!box.meets(balls[b].middle_mm, balls[b].radius_mm)) continue;
     const bool is_wanted = std::any_of(cones.begin(), cones.end(),
                                        [&](const RoundCone& cone) { return is_near(b, cone); });
     if (is_wanted) near.push_back(b);

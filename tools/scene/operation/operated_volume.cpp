@@ -10,6 +10,7 @@
 #include "tools/scene/run/scene_files.h"
 #include "tools/scene/run/scene_poses.h"
 #include "tools/scene/run/scene_run.h"
+#include "volumes/base/error.h"
 
 namespace supple::tools {
 
@@ -57,6 +58,9 @@ struct OperatedVolume::Impl {
 OperatedVolume::OperatedVolume(const OperationScene& scene, const std::string& folder,
                                Progress& progress)
     : m_impl(std::make_unique<Impl>(scene, folder, progress)) {
+  if (m_impl->poses.session() == nullptr) {
+    throw InputError({scene.file, "material", "none", "a table [material], by which tissue moves"});
+  }
   Session& session = *m_impl->poses.session();
   check_places(m_impl->parts, session.geometry());
   for (const Step& step : m_impl->parts.steps) session.step(step, &progress);
