@@ -67,7 +67,7 @@ struct ConeBox {
 }  // namespace
 
 struct PushedBody::Impl {
-  Impl(Body& given, const SlotSet& held_elements);
+  Impl(Body& given, const SlotSet& held);
 
   Vec3d index_of(std::size_t b, int offset) const;
   Vec3d place_mm(std::size_t b, int offset) const {
@@ -84,7 +84,6 @@ struct PushedBody::Impl {
 
   Body& body;
   double spacing_mm;  // the least
-  SlotSet held;
   OneSidedPush pusher;
   std::vector<BrickMask> left;  // per brick of the elements
   /// Ball around all elements that are left in a brick.
@@ -96,8 +95,7 @@ struct PushedBody::Impl {
   std::vector<SlotSet::Brick> moved;
 };
 
-PushedBody::Impl::Impl(Body& given, const SlotSet& held_elements)
-    : body(given), held(held_elements), pusher(given, held_elements) {
+PushedBody::Impl::Impl(Body& given, const SlotSet& held) : body(given), pusher(given, held) {
   const Vec3d spacing = body.geometry.spacing_mm();
   spacing_mm = std::min({spacing.x, spacing.y, spacing.z});
   const BrickTopology& elements = body.elements;
@@ -239,7 +237,6 @@ PushReport PushedBody::push(const std::vector<MovingPart>& parts) {
 
   PushReport report;
   for (const Entered& element : list) {
-    if (impl.held.contains(element.slot)) continue;
     report.deepest_mm = std::max(report.deepest_mm, element.depth_mm);
   }
   report.stopped = report.deepest_mm > impl.spacing_mm;

@@ -22,8 +22,8 @@ namespace supple {
 
 struct PushReport {
   std::int64_t moved = 0;  // elements
-  bool stopped = false;    // limits left an element that is not held in a tool by over a voxel
-  double deepest_mm = 0;   // that such an element is left in a tool
+  bool stopped = false;    // anchors or limits left an element in a tool, deeper than a voxel
+  double deepest_mm = 0;   // that an element is left in a tool
 };
 
 class PushedBody {

@@ -149,6 +149,7 @@ class UnitBoneInOperation : public ::testing::Test {
     OperationSetup setup;
     OperationTool needle;
     needle.shape.name = "needle";
+    needle.shape.diameter_mm = 2;
     needle.start.tip_mm = {10, 6, 20};
     setup.tools = {needle};
     setup.volume = OperationVolume{&m_session->body_to_push(), m_session->held()};
