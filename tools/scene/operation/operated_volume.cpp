@@ -16,8 +16,6 @@ namespace supple::tools {
 
 namespace {
 
-constexpr const char* kBone = "bone";  // as events call what is rigid in the volume
-
 /// The instruments where they are, as surfaces of a view.
 void add_instruments(const Operation& operation, const std::vector<ToolTrack>& tracks,
                      std::vector<MeshChoice>& meshes) {

@@ -12,6 +12,9 @@
 
 namespace supple::tools {
 
+/// Name that events have for what is rigid in a scanned volume.
+constexpr char kBone[] = "bone";
+
 class OperatedVolume {
  public:
   /// Opens the volume and carries out the steps of the scene. Refers to all of these.

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "lib/operation/operation_log.h"
+#include "tools/scene/operation/operated_volume.h"
 #include "tools/scene/run/scene_files.h"
 #include "volumes/base/error.h"
 #include "volumes/base/json.h"
@@ -64,6 +65,7 @@ OperationPlan plan_of(const OperationScene& scene) {
     }
     plan.around.globe_radius_mm = scene.setup.eye->radius_mm;
   }
+  if (scene.volume) plan.places.push_back(kBone);
   for (const Obstacle& shape : scene.setup.shapes) plan.places.push_back(shape.name);
   for (const OperationMembrane& one : scene.setup.membranes) plan.places.push_back(one.name);
   if (!scene.views.empty()) plan.around.view = scene.views.front().from.normalized();

@@ -6,6 +6,7 @@
 
 #include "lib/contact/mesh_surface.h"
 #include "tools/scene/file/scene.h"
+#include "tools/scene/operation/operated_volume.h"
 #include "tools/scene/operation/operation_keys.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
@@ -223,12 +224,12 @@ void read_view(Table& table, OperationScene& scene) {
 
 /// Events, tasks and files name things by these.
 void require_own_names(const OperationScene& scene) {
-  std::set<std::string> instruments, places{kRetina, kLens};
+  std::set<std::string> instruments, places{kRetina, kLens, kBone};
   const auto require_new = [&](std::set<std::string>& names, const std::string& name,
                                const char* of) {
     if (!name.empty() && name.find('/') == std::string::npos && names.insert(name).second) return;
     throw InputError({scene.file, std::string("name of ") + of, "\"" + name + "\"",
-                      "a name of its own without \"/\", not \"retina\" nor \"lens\""});
+                      "a name of its own without \"/\", not \"retina\", \"lens\" or \"bone\""});
   };
   for (const OperationTool& tool : scene.setup.tools) {
     require_new(instruments, tool.shape.name, "an [[instrument]]");
@@ -317,6 +318,10 @@ std::vector<std::string> OperationScene::outputs() const {
   for (const MicroscopeView& view : views) {
     names.push_back(view.image);
     names.push_back(view.video);
+  }
+  if (volume) {
+    const std::vector<std::string> more = volume->outputs();
+    names.insert(names.end(), more.begin(), more.end());
   }
   names.erase(std::remove(names.begin(), names.end(), ""), names.end());
   return names;
