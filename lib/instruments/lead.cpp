@@ -1,5 +1,6 @@
 // An instrument goes on as long as all of the way is known to be free; what stops it bends the rest
-// of the way along the surface, and so on for some rounds.
+// of the way along the surface, and so on for some rounds; along sampled surfaces as long as that
+// leads nearer to what is asked.
 #include <algorithm>
 #include <cmath>
 
@@ -61,10 +62,14 @@ class Leader {
     for (int round = 0; round < kRounds; ++round) {
       const InstrumentPose before = m_now.pose;
       if (advance(m_asked)) break;
-      const InstrumentPose along = bent();
-      const Vec3d start = m_now.pose.tip_mm;
-      advance(along);
-      m_along_mm += (m_now.pose.tip_mm - start).length();
+      const PlacedTool stopped = m_now;
+      const bool is_sampled = is_stopped_by_samples();
+      advance(bent());
+      if (is_sampled && left_mm(m_now.pose) > left_mm(stopped.pose)) {
+        m_now = stopped;
+        break;
+      }
+      m_along_mm += (m_now.pose.tip_mm - stopped.pose.tip_mm).length();
       if (is_same(before, m_now.pose)) break;
     }
     m_now.pose.active = m_asked.active;
@@ -79,6 +84,17 @@ class Leader {
 
   InstrumentPose led(const InstrumentPose& pose) const {
     return m_pivot == nullptr ? pose : through_pivot(pose, *m_pivot);
+  }
+
+  double left_mm(const InstrumentPose& pose) const {
+    return (m_asked.tip_mm - pose.tip_mm).length();
+  }
+
+  /// True where slides may lead astray, since samples have no normals but those between them.
+  bool is_stopped_by_samples() const {
+    return std::any_of(m_stops.begin(), m_stops.end(), [&](const Stop& stop) {
+      return std::holds_alternative<VoxelSolid>(m_obstacles[stop.obstacle].surface);
+    });
   }
 
   static bool is_same(const InstrumentPose& a, const InstrumentPose& b) {
