@@ -59,11 +59,12 @@ class Leader {
   }
 
   StoppedTool go() {
+    bool is_sampled = false;
     for (int round = 0; round < kRounds; ++round) {
       const InstrumentPose before = m_now.pose;
       if (advance(m_asked)) break;
       const PlacedTool stopped = m_now;
-      const bool is_sampled = is_stopped_by_samples();
+      is_sampled = is_stopped_by_samples();
       advance(bent());
       if (is_sampled && left_mm(m_now.pose) > left_mm(stopped.pose)) {
         m_now = stopped;
@@ -72,6 +73,7 @@ class Leader {
       m_along_mm += (m_now.pose.tip_mm - stopped.pose.tip_mm).length();
       if (is_same(before, m_now.pose)) break;
     }
+    if (is_sampled) advance(m_asked);  // since such a slide may end off the surface
     m_now.pose.active = m_asked.active;
     return {m_now.pose, touches()};
   }
