@@ -16,6 +16,9 @@ constexpr double kFarthestMm = 1000;  // of a tip from the origin
 
 OperationScene viewed_scene(const Table& root) {
   OperationScene scene = read_operation(root);
+  if (scene.volume) {
+    throw InputError({scene.file, "volume", "a scanned volume", "none: supple run films those"});
+  }
   if (scene.views.empty()) scene.views.emplace_back();
   return scene;
 }
