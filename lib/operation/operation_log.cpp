@@ -25,7 +25,7 @@ Value to_value(const Vec3d& v) {
 }
 
 Value to_value(const InstrumentPose& pose) {
-  Value::List numbers;
+  std::vector<double> numbers;
   for (const Vec3d& v : {pose.tip_mm, pose.axis}) {
     for (int c = 0; c < 3; ++c) numbers.push_back(finite(v[c]));
   }
