@@ -23,7 +23,8 @@ namespace {
 SpoolFile::SpoolFile(const std::string& final_path) : m_final_path(final_path) {
   const auto folder = std::filesystem::path(final_path).parent_path();
   // A file without a name leaves nothing behind when the process is killed.
-  m_descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  m_descriptor =
+      ::open(folder.empty() ? "." : folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (m_descriptor >= 0) return;
   std::string name = (folder / ".supple-spool-XXXXXX").string();
   m_descriptor = ::mkostemp(name.data(), O_CLOEXEC);
