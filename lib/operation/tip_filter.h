@@ -9,6 +9,7 @@
 // 20 ms the cutoff is 2 % lower.
 #pragma once
 
+#include "volumes/base/units.h"
 #include "volumes/base/vec.h"
 
 namespace supple {
@@ -24,7 +25,7 @@ class PlaceFilter {
   /// Takes the place a step later. The first one is taken as one at rest, and so is one after a
   /// step that is too long to tell how the place got there.
   Bands take(const Vec3d& place, double dt_s) {
-    constexpr double kPi = 3.14159265358979323846, kLongestStep_s = 0.1;
+    constexpr double kLongestStep_s = 0.1;
     if (!m_has_begun || dt_s > kLongestStep_s) {
       m_has_begun = true;
       m_s1 = Vec3d(0);

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/base/units.h"
+
 namespace supple::test {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kClear_mm = 1.5;     // from the retina
 constexpr double kPolar = 0.5;        // angle of the targets from the posterior pole
 constexpr double kBetween = kPi / 3;  // azimuth between two targets

@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "lib/operation/tip_filter.h"
+#include "volumes/base/units.h"
 
 namespace supple::test {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// Ratio of the root mean squares of what comes out and goes in, over whole periods after 4 s.
 template <class Filter>

@@ -9,11 +9,11 @@
 #include "lib/operation/vitreous.h"
 #include "volumes/base/error.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/units.h"
 
 namespace supple {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 const Vec3d kCentre(1, -2, 3);
 
 VitreousSetup small_setup() {
