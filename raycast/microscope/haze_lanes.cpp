@@ -62,16 +62,16 @@ HWY_INLINE HWY_ATTR VF density_at(const HazeTables& tables, const HazeCells& cel
 }
 
 /// Vectors interpolated between the nodes that know one, and these nodes' part.
-struct Offsets {
+struct CellOffsets {
   FloatVector along;
   VF known;
 };
 
-HWY_INLINE HWY_ATTR Offsets offsets_at(const std::int32_t* packed, const HazeTables& tables,
-                                       const HazeCells& cells) {
+HWY_INLINE HWY_ATTR CellOffsets offsets_at(const std::int32_t* packed, const HazeTables& tables,
+                                           const HazeCells& cells) {
   const VF one = floats(1), nothing = floats(0);
   const VI low = ints(2 * packed_offset::kMiddle - 1);
-  Offsets sum{{nothing, nothing, nothing}, nothing};
+  CellOffsets sum{{nothing, nothing, nothing}, nothing};
   for (int n = 0; n < 8; ++n) {
     const int dx = n >> 2, dy = (n >> 1) & 1, dz = n & 1;
     const VI step = ints((dx * tables.dims.y + dy) * tables.dims.z + dz);
@@ -131,7 +131,7 @@ HWY_INLINE HWY_ATTR VF haze_at(const HazeTables& tables, const FloatVector& p, M
   MF reads = hn::RebindMask(kFloats, visible);
   const MF moved = hn::RebindMask(kFloats, hn::Gt(brick, ints(std::int32_t(HazeBrick::resting))));
   if (!hn::AllFalse(kFloats, moved)) {
-    const Offsets o = offsets_at(as_ints(tables.offsets), tables, cells);
+    const CellOffsets o = offsets_at(as_ints(tables.offsets), tables, cells);
     const FloatVector source = {hn::Add(p.x, hn::IfThenElseZero(moved, o.along.x)),
                                 hn::Add(p.y, hn::IfThenElseZero(moved, o.along.y)),
                                 hn::Add(p.z, hn::IfThenElseZero(moved, o.along.z))};
@@ -206,7 +206,7 @@ HWY_INLINE HWY_ATTR VF largest_of(const FloatVector& v) {
   return hn::Max(hn::Abs(v.x), hn::Max(hn::Abs(v.y), hn::Abs(v.z)));
 }
 
-/// Offsets of lanes of nodes, packed.
+/// CellOffsets of lanes of nodes, packed.
 HWY_INLINE HWY_ATTR VI solved_offsets(const HazeTables& tables, VI node, const FloatVector& p) {
   constexpr int kRounds = 12;
   constexpr float kSame = 1 / 64.0f, kNear = 0.25f;  // voxels
@@ -216,7 +216,7 @@ HWY_INLINE HWY_ATTR VI solved_offsets(const HazeTables& tables, VI node, const F
   VF change = floats(0), known = floats(0);
   for (int round = 0; round < kRounds; ++round) {
     const FloatVector source = {hn::Add(p.x, o.x), hn::Add(p.y, o.y), hn::Add(p.z, o.z)};
-    const Offsets u = offsets_at(as_ints(tables.ways), tables, cells_at(tables, source));
+    const CellOffsets u = offsets_at(as_ints(tables.ways), tables, cells_at(tables, source));
     known = u.known;
     // Lanes in the void stay where they are.
     const MF finds = hn::Gt(known, floats(0));

@@ -67,14 +67,14 @@ void write_phantom(const std::string& kind, const std::string& path) {
 }
 
 /// A patch of triangles, in LPS mm, whose edges are at most `spacing` long along its sides.
-struct Membrane {
+struct MembranePatch {
   std::string output;
   std::array<double, 3> corner, edge1, edge2;
   double spacing_mm = 5;
 };
 
 /// Writes the patch; diagonals alternate, so that it is alike along both of them.
-void write_membrane(const Membrane& membrane) {
+void write_membrane(const MembranePatch& membrane) {
   const auto vector = [](const std::array<double, 3>& v) { return Vec3d(v[0], v[1], v[2]); };
   const Vec3d edge1 = vector(membrane.edge1), edge2 = vector(membrane.edge2);
   const auto cells = [&](const Vec3d& edge) {
@@ -131,7 +131,7 @@ int main(int argc, char** argv) {
   surface->add_option("--max-length", drag.max_length, "Of links, times their rest length");
   surface->add_option("--min-length", drag.min_length, "Of links, times their rest length");
   surface->add_option("--shear", drag.shear, "Of links, times their rest length");
-  Membrane membrane;
+  MembranePatch membrane;
   CLI::App* patch = program.add_subcommand("membrane", "Write a flat patch of triangles");
   patch->add_option("output", membrane.output, "STL, PLY, OBJ or VTK")->required();
   const auto add_vector = [&](const char* name, std::array<double, 3>& v, const char* help) {
