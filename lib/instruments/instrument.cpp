@@ -112,25 +112,24 @@ void require_whole(const InstrumentParts& own) {
 
 Fields fields(InstrumentSetup& setup) {
   Fields list;
-  list.push_back(
-      Field("name", setup.name, "name by which tracks and tasks find the instrument").required());
+  list.push_back(Field("name", setup.name, "Name by which events and tasks know it").required());
   list.push_back(Field("kind", setup.kind,
                        {"needle", "pick", "forceps", "vitrector", "lamp", "spatula", "parts"},
-                       "what the instrument is")
+                       "Kind of instrument")
                      .required());
   list.push_back(
-      Field("diameter", setup.diameter_mm, "diameter of the shaft").unit("mm").positive());
+      Field("diameter", setup.diameter_mm, "Diameter of the shaft").unit("mm").positive());
   list.push_back(
-      Field("length", setup.length_mm, "length from the tip to the hand").unit("mm").positive());
-  list.push_back(Field("jaw", setup.jaw_mm, "length of the jaws of forceps").unit("mm").positive());
-  list.push_back(Field("suction", setup.suction_mm, "reach of a vitrector from its port")
+      Field("length", setup.length_mm, "Length from the tip to the hand").unit("mm").positive());
+  list.push_back(Field("jaw", setup.jaw_mm, "Length of the jaws of forceps").unit("mm").positive());
+  list.push_back(Field("suction", setup.suction_mm, "Reach of a vitrector from its port")
                      .unit("mm")
                      .positive());
-  list.push_back(Field("cone", setup.cone_degrees, "half of the angle of a lamp's cone of light")
+  list.push_back(Field("cone", setup.cone_degrees, "Half of the angle of a lamp's cone of light")
                      .unit("degrees")
                      .range(1, 89));
   list.push_back(Field("stiffness", setup.stiffness_n_m,
-                       "stiffness of the hand that presses it against something rigid")
+                       "Stiffness of the hand that presses it against something rigid")
                      .unit("N/m")
                      .positive());
   return list;

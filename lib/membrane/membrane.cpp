@@ -169,23 +169,26 @@ struct Membrane::Impl {
 
 Fields fields(MembraneParams& p) {
   return {
-      Field("model", p.model, {"springs", "ecm"}, "what moves it"),
+      Field("model", p.model, {"springs", "ecm"}, "Model that moves it"),
       Field("stiffness", p.stiffness_n_m, "Young's modulus times thickness").unit("N/m").positive(),
-      Field("bending", p.bending_n_m, "stiffness of springs across edges").unit("N/m").at_least(0),
-      Field("density", p.density_kg_m2, "mass per area").unit("kg/m²").positive(),
-      Field("damping", p.damping_per_s, "by the fluid around it").unit("1/s").at_least(0),
-      Field("adhesion", p.adhesion_j_m2, "energy that frees an area").unit("J/m²").at_least(0),
-      Field("adhesion_stretch", p.adhesion_mm, "stretch at which a link of adhesion breaks")
+      Field("bending", p.bending_n_m, "Stiffness of springs across edges").unit("N/m").at_least(0),
+      Field("density", p.density_kg_m2, "Mass per area").unit("kg/m²").positive(),
+      Field("damping", p.damping_per_s, "Damping by the fluid around it").unit("1/s").at_least(0),
+      Field("adhesion", p.adhesion_j_m2, "Energy that frees an area").unit("J/m²").at_least(0),
+      Field("adhesion_stretch", p.adhesion_mm, "Stretch at which a link of adhesion breaks")
           .unit("mm")
           .positive(),
-      Field("strength", p.strength_n_m, "tension along which edges tear, 0: none")
+      Field("strength", p.strength_n_m, "Tension along which edges tear; 0: none")
           .unit("N/m")
           .at_least(0),
-      Field("friction", p.friction, "against instruments and what lies under it").at_least(0),
-      Field("substep", p.substep_s, "fixed length of the solver's steps").unit("s").positive(),
-      Field("sweeps", p.sweeps, "of the solver in a substep").at_least(2),
-      Field("thickness", p.thickness_mm, "distance that it keeps").unit("mm").positive(),
-      Field("smallest_piece", p.smallest_piece_mm2, "torn-off pieces below this area vanish")
+      Field("friction", p.friction, "Friction at instruments and at what lies under it")
+          .at_least(0),
+      Field("substep", p.substep_s, "Fixed length of the solver's steps").unit("s").positive(),
+      Field("sweeps", p.sweeps, "Sweeps of the solver in a substep").at_least(2),
+      Field("thickness", p.thickness_mm, "Distance that it keeps from what lies under it")
+          .unit("mm")
+          .positive(),
+      Field("smallest_piece", p.smallest_piece_mm2, "Area below which torn-off pieces vanish")
           .unit("mm²")
           .at_least(0),
   };

@@ -88,8 +88,8 @@ Geometry geometry_of(const VitreousSetup& setup, const Vec3d& centre_mm) {
 
 Fields fields(VitreousSetup& setup) {
   return {
-      Field("radius", setup.radius_mm, "Of the ball that it fills").unit("mm").positive(),
-      Field("spacing", setup.spacing_mm, "Of voxels").unit("mm").positive(),
+      Field("radius", setup.radius_mm, "Radius of the ball that it fills").unit("mm").positive(),
+      Field("spacing", setup.spacing_mm, "Size of voxels").unit("mm").positive(),
       Field("stretch", setup.stretch, "Longest links, in lengths at rest").range(1, 10),
       Field("compression", setup.compression, "Shortest links, in lengths at rest").range(0.01, 1),
       Field("shear", setup.shear, "Shear of links, in lengths at rest").range(0, 10),
