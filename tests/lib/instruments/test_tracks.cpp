@@ -78,7 +78,8 @@ TEST(PropertyTracks, WayIsSmoothedToTheBandwidthOfTheHand) {
     motion.tremor_mm = 0;
     motion.sampling_hz = 1000;
     double most = 0;
-    for (const TrackKey& key : make_track(motion).keys()) {
+    const InstrumentTrack track = make_track(motion);
+    for (const TrackKey& key : track.keys()) {
       if (key.time_s > 1 && key.time_s < 3) most = std::max(most, key.pose.tip_mm.x);
     }
     return most;
