@@ -32,7 +32,7 @@ Value instruments_json(const LiveOperation& live) {
   return all;
 }
 
-Value camera_json(const Camera& camera) {
+Value microscope_json(const Camera& camera) {
   return {{"position", camera.position_lps_mm},
           {"target", camera.target_lps_mm},
           {"up", camera.up_lps},
@@ -47,7 +47,7 @@ Value view_json(const MicroscopeView& view, double time_s) {
           {"stereo", keys["stereo"]},
           {"shadow", keys["shadow"]},
           {"size", Value::List{view.size[0], view.size[1]}},
-          {"camera", camera_json(view.camera_at(time_s))}};
+          {"camera", microscope_json(view.camera_at(time_s))}};
 }
 
 /// Points of each category, and how far tasks have come.

@@ -17,7 +17,7 @@ using namespace supple::test;
 
 namespace {
 
-constexpr char kScene[] = R"([operation]
+constexpr char kOperation[] = R"([operation]
 duration = 1
 
 [eye]
@@ -95,7 +95,7 @@ using PropertyOperationRun = OperationCli;
 using FaultOperationRun = OperationCli;
 
 TEST_F(UnitOperationRun, WritesAllFilesThatItsSceneAsksForAndNoOther) {
-  const Outcome outcome = run(kScene, {"--json"});
+  const Outcome outcome = run(kOperation, {"--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   std::vector<std::string> told, found;
   const auto report = nlohmann::json::parse(outcome.out);
@@ -110,14 +110,14 @@ TEST_F(UnitOperationRun, WritesAllFilesThatItsSceneAsksForAndNoOther) {
 }
 
 TEST_F(UnitOperationRun, ItsLogReplaysToTheSameScore) {
-  ASSERT_EQ(run(kScene).exit_code, 0);
+  ASSERT_EQ(run(kOperation).exit_code, 0);
   const OperationScore score = score_of_log(m_folder / "out/log.jsonl");
   EXPECT_EQ(json_text(to_value(score), 2) + "\n", text_of_file(m_folder / "out/score.json"));
   EXPECT_EQ(score.tasks.at(0).progress, 1);
 }
 
 TEST_F(UnitOperationRun, ADryRunTellsStepsAndFilesAndWritesNothing) {
-  const Outcome outcome = run(kScene, {"--dry-run"});
+  const Outcome outcome = run(kOperation, {"--dry-run"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_EQ(outcome.out.find("50 steps of 0.02 s\n"), 0u) << outcome.out;
   EXPECT_NE(outcome.out.find("out/log.jsonl"), std::string::npos) << outcome.out;
@@ -127,7 +127,7 @@ TEST_F(UnitOperationRun, ADryRunTellsStepsAndFilesAndWritesNothing) {
 TEST_F(UnitOperationRun, AReplayTellsTimesOfAllStepsAndHowNearPicturesAreToSettledOnes) {
   const auto before = m_folder.entries();
   const Outcome outcome =
-      supple_of("replay", replaced(kScene, "[[view]]", "[[view]]\nstereo = \"side_by_side\""),
+      supple_of("replay", replaced(kOperation, "[[view]]", "[[view]]\nstereo = \"side_by_side\""),
                 {"--duration", "0.2", "--size", "64,48", "--json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const auto report = nlohmann::json::parse(outcome.out);
@@ -141,14 +141,14 @@ TEST_F(UnitOperationRun, AReplayTellsTimesOfAllStepsAndHowNearPicturesAreToSettl
 }
 
 TEST_F(PropertyOperationRun, AnyNumberOfThreadsAndAReplayLeadToTheSameState) {
-  const std::string one = digest_of(run(kScene, {"--json", "--threads", "1"}));
-  EXPECT_EQ(digest_of(run(kScene, {"--json", "--threads", "2", "--force"})), one);
-  EXPECT_EQ(digest_of(supple_of("replay", kScene, {"--json", "--check", one})), one);
+  const std::string one = digest_of(run(kOperation, {"--json", "--threads", "1"}));
+  EXPECT_EQ(digest_of(run(kOperation, {"--json", "--threads", "2", "--force"})), one);
+  EXPECT_EQ(digest_of(supple_of("replay", kOperation, {"--json", "--check", one})), one);
 }
 
 TEST_F(PropertyOperationRun, TracksThatItWritesLeadToTheSameState) {
-  const std::string made = digest_of(run(kScene, {"--json"}));
-  std::string scene = kScene;
+  const std::string made = digest_of(run(kOperation, {"--json"}));
+  std::string scene = kOperation;
   const std::size_t hand = scene.find("hand ="), end = scene.find("]\n\n", hand);
   scene.replace(hand, end + 1 - hand, "track = \"out/track_needle.csv\"");
   const std::size_t way = scene.find("way ="), last = scene.find('\n', way);
@@ -158,14 +158,14 @@ TEST_F(PropertyOperationRun, TracksThatItWritesLeadToTheSameState) {
 
 TEST_F(FaultOperationRun, AnotherStateThanTheOneToCheckFails) {
   const std::string wrong(64, '0');
-  const Outcome outcome = supple_of("replay", kScene, {"--duration", "0.1", "--check", wrong});
+  const Outcome outcome = supple_of("replay", kOperation, {"--duration", "0.1", "--check", wrong});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.err.find("not " + wrong), std::string::npos) << outcome.err;
 }
 
 TEST_F(FaultOperationRun, CtrlCLeavesNoFile) {
   RUN_WHEN_SANITIZED();
-  const std::string scene = replaced(kScene, "duration = 1\n", "duration = 10000\n");
+  const std::string scene = replaced(kOperation, "duration = 1\n", "duration = 10000\n");
   for (const double seconds : {0.1, 0.5, 1.5}) {
     RunOptions options;
     options.interrupt_at_file = m_folder / "out";
@@ -178,7 +178,7 @@ TEST_F(FaultOperationRun, CtrlCLeavesNoFile) {
 
 TEST_F(FaultOperationRun, ADiskThatIsFullAtTheLastFileLeavesNone) {
   // The picture of the end has the most bytes, and is written when all else is complete.
-  std::string scene = replaced(kScene, "duration = 1\n", "duration = 0.1\n");
+  std::string scene = replaced(kOperation, "duration = 1\n", "duration = 0.1\n");
   scene = replaced(scene, "size = [48, 36]", "size = [320, 240]");
   scene = replaced(scene, "video = \"all_%02d.png\"\n", "");
   RunOptions options;
@@ -190,9 +190,9 @@ TEST_F(FaultOperationRun, ADiskThatIsFullAtTheLastFileLeavesNone) {
 }
 
 TEST_F(FaultOperationRun, OutputsThatAreThereAreKept) {
-  ASSERT_EQ(run(kScene).exit_code, 0);
+  ASSERT_EQ(run(kOperation).exit_code, 0);
   const std::string before = text_of_file(m_folder / "out/log.jsonl");
-  const Outcome outcome = run(replaced(kScene, "duration = 1\n", "duration = 0.5\n"));
+  const Outcome outcome = run(replaced(kOperation, "duration = 1\n", "duration = 0.5\n"));
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.err.find("--force"), std::string::npos) << outcome.err;
   EXPECT_EQ(text_of_file(m_folder / "out/log.jsonl"), before);
@@ -224,7 +224,7 @@ TEST_F(FaultOperationRun, WrongScenesAreRefusedInOneLineThatSaysWhatToDo) {
       {"kind = \"needle\"", "kind = \"needle\"\nlamp = {}", {"lamp", "parts"}},
   };
   for (const auto& [from, to, told] : cases) {
-    const Outcome outcome = run(replaced(kScene, from, to));
+    const Outcome outcome = run(replaced(kOperation, from, to));
     EXPECT_EQ(outcome.exit_code, 3) << to << outcome.err;
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     for (const std::string& part : told) {
@@ -248,7 +248,7 @@ TEST_F(FaultOperationRun, OptionsThatOperationsLackAreRefused) {
       {"--ssim"},       {"--state", "a.vdb"}, {"--scene", "a.toml"}};
   for (const auto& [command, all] : {std::pair("run", of_run), {"replay", of_replay}}) {
     for (const std::vector<std::string>& option : all) {
-      const Outcome outcome = supple_of(command, kScene, option);
+      const Outcome outcome = supple_of(command, kOperation, option);
       EXPECT_EQ(outcome.exit_code, 2) << option[0] << outcome.err;
       EXPECT_NE(outcome.err.find(option[0]), std::string::npos) << outcome.err;
     }
