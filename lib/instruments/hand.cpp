@@ -5,6 +5,7 @@
 
 #include "lib/instruments/track.h"
 #include "volumes/base/error.h"
+#include "volumes/base/random.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -17,18 +18,6 @@ constexpr int kBoxSamples = 15;  // of one mean, odd
 /// Width of a mean times the bandwidth, at which three of them leave 1/sqrt(2).
 constexpr double kBoxWidth = 0.2626;
 constexpr double kMaxSamples = 1e7;
-
-/// Random bits by SplitMix64 (Steele, Lea and Flood 2014).
-std::uint64_t next_bits(std::uint64_t& state) {
-  state += 0x9E3779B97F4A7C15u;
-  std::uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return z ^ (z >> 31);
-}
-double next_number(std::uint64_t& state) {
-  return double(next_bits(state) >> 11) * 0x1p-53;
-}
 
 /// The sine of an angle in turns, by its series on a quarter turn; within 1e-14.
 double sine_of_turns(double turns) {
@@ -47,11 +36,11 @@ class Tremor {
   explicit Tremor(const HandMotion& motion)
       : m_amplitude_mm(motion.tremor_mm * std::sqrt(2.0 / kTones)) {
     const double step_hz = (motion.tremor_highest_hz - motion.tremor_lowest_hz) / kTones;
-    std::uint64_t state = motion.seed;
+    RandomNumbers draws(motion.seed);
     for (auto& coordinate : m_tones) {
       for (int n = 0; n < kTones; ++n) {
-        const double hz = motion.tremor_lowest_hz + (n + next_number(state)) * step_hz;
-        coordinate[std::size_t(n)] = {hz, next_number(state)};
+        const double hz = motion.tremor_lowest_hz + (n + draws.next()) * step_hz;
+        coordinate[std::size_t(n)] = {hz, draws.next()};
       }
     }
   }

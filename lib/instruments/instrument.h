@@ -24,7 +24,7 @@ struct InstrumentPart {
   int jaw = 0;      // +1 or -1: of that jaw; 0: of the shaft
 };
 
-/// Where forceps take hold: points within the radius of the segment between the closed jaws.
+/// Place between the jaws: forceps take hold of points within the radius of its segment.
 struct GripZone {
   RoundCone zone;                                              // in the instrument's frame
   double grips_below_degrees = 0, releases_above_degrees = 0;  // opening
@@ -54,7 +54,7 @@ struct Instrument {
   double stiffness_n_m = 100;  // of the hand that presses it against something rigid
 };
 
-/// What an instrument of kind `parts` consists of, in its frame; other kinds make their own.
+/// Parts of an instrument of kind `parts`, in its frame; other kinds make their own.
 struct InstrumentParts {
   std::vector<InstrumentPart> parts;
   Vec3d hinge_mm{0, 0, 0};
@@ -89,6 +89,9 @@ struct InstrumentPose {
   double opening_degrees = 0;  // between the jaws
   double active = 0;           // 0 … 1: suction and cutting of a vitrector, light of a lamp
 };
+
+/// Pose at a part of the way, 0 to 1: all numbers change evenly, the axis along the great circle.
+InstrumentPose pose_between(const InstrumentPose& from, const InstrumentPose& to, double part);
 
 /// Axes of an instrument's frame at a pose; at roll 0 those of the world after the shortest turn of
 /// z to the axis. Frames go steadily with the axis, but for an axis along -z.

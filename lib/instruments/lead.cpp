@@ -54,7 +54,7 @@ class Leader {
       : m_tool(instrument), m_obstacles(obstacles), m_pivot(pivot), m_asked(led(asked)) {
     m_near_mm = 2 * ToolPath(from, m_asked, pivot).longest_mm(instrument) + 1;
     m_now = placed(from);
-    // What begins within a surface may stay as deep as it is.
+    // Parts that begin within a surface may stay as deep as they are.
     for (const double room : m_now.rooms_mm) m_least_mm.push_back(std::min(room, 0.0));
   }
 
@@ -287,8 +287,8 @@ class Leader {
         if (m_now.rooms_mm[o * asked.size() + p] >= kPressedMm) continue;
         const RigidSurface& surface = m_obstacles[o].surface;
         const Approach here = approach(m_now.parts[p], surface);
-        // What a hand has led through a thin wall is beyond it: the ball that touches tells how
-        // far.
+        // A part that a hand has led through a thin wall is beyond it: the ball that touches tells
+        // how far.
         const double t = nearest_part(here.place_mm, m_now.parts[p]);
         const RoundCone ball = between_ends(asked[p], t);
         const double depth = std::max(-approach(asked[p], surface).distance_mm,

@@ -18,7 +18,28 @@ double jaw_degrees(const InstrumentPose& pose, int jaw) {
   return jaw * pose.opening_degrees / 2;
 }
 
+double mixed(double a, double b, double part) {
+  return a + (b - a) * part;
+}
+
+/// Direction on the great circle; the nearer one of two that are opposite or nearly equal.
+Vec3d mixed_axis(const Vec3d& a, const Vec3d& b, double part) {
+  const double angle = std::atan2(a.cross(b).length(), a.dot(b));
+  const double sine = std::sin(angle);
+  const Vec3d axis = sine > 1e-9
+                         ? (a * std::sin(angle * (1 - part)) + b * std::sin(angle * part)) / sine
+                         : (part < 0.5 ? a : b);
+  return axis.normalized();
+}
+
 }  // namespace
+
+InstrumentPose pose_between(const InstrumentPose& from, const InstrumentPose& to, double part) {
+  return {from.tip_mm + (to.tip_mm - from.tip_mm) * part, mixed_axis(from.axis, to.axis, part),
+          mixed(from.roll_degrees, to.roll_degrees, part),
+          mixed(from.opening_degrees, to.opening_degrees, part),
+          mixed(from.active, to.active, part)};
+}
 
 ToolFrame frame_of(const InstrumentPose& pose) {
   // The shortest turn from the world's z to the axis takes x and y along: for the axis (a, b, c)

@@ -10,20 +10,6 @@ namespace supple {
 
 namespace {
 
-double mixed(double a, double b, double part) {
-  return a + (b - a) * part;
-}
-
-/// Direction on the great circle; the straight way where two are opposite or nearly equal.
-Vec3d mixed_axis(const Vec3d& a, const Vec3d& b, double part) {
-  const double angle = std::atan2(a.cross(b).length(), a.dot(b));
-  const double sine = std::sin(angle);
-  const Vec3d axis = sine > 1e-9
-                         ? (a * std::sin(angle * (1 - part)) + b * std::sin(angle * part)) / sine
-                         : (part < 0.5 ? a : b);
-  return axis.normalized();
-}
-
 void check(const TrackKey& key, const TrackKey* before, const std::string& file, std::size_t n) {
   const auto fail = [&](const std::string& found, const std::string& expected) {
     throw InputError({file, "key " + std::to_string(n + 1), found, expected});
@@ -64,11 +50,7 @@ InstrumentPose InstrumentTrack::at(double time_s) const {
   const TrackKey &a = after[-1], &b = *after;
   const double part = (time_s - a.time_s) / (b.time_s - a.time_s);
   if (part <= 0) return a.pose;
-  return {a.pose.tip_mm + (b.pose.tip_mm - a.pose.tip_mm) * part,
-          mixed_axis(a.pose.axis, b.pose.axis, part),
-          mixed(a.pose.roll_degrees, b.pose.roll_degrees, part),
-          mixed(a.pose.opening_degrees, b.pose.opening_degrees, part),
-          mixed(a.pose.active, b.pose.active, part)};
+  return pose_between(a.pose, b.pose, part);
 }
 
 InstrumentPose through_pivot(const InstrumentPose& pose, const Vec3d& pivot_mm) {

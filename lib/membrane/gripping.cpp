@@ -1,19 +1,10 @@
 #include "lib/membrane/gripping.h"
 
-#include <cmath>
-
 #include "lib/instruments/round_cone.h"
 
 namespace supple {
 
 namespace {
-
-Vec3d axis_between(const Vec3d& from, const Vec3d& to, double part) {
-  const double angle = std::atan2(from.cross(to).length(), from.dot(to));
-  // Great circles of nearly equal axes are straight, those of opposite axes are anything.
-  if (angle < 1e-6 || angle > 3.1415) return part < 0.5 && angle > 1 ? from : to;
-  return (from * std::sin((1 - part) * angle) + to * std::sin(part * angle)).normalized();
-}
 
 void add_event(MembraneReport& report, MembraneEvent::Kind kind, int tool, int count,
                const Vec3d& sum) {
@@ -51,17 +42,6 @@ void let_go(Sheet& sheet, int tool, MembraneReport& report) {
 }
 
 }  // namespace
-
-InstrumentPose pose_between(const InstrumentPose& from, const InstrumentPose& to, double part) {
-  const auto mix = [part](const auto& a, const auto& b) { return a + (b - a) * part; };
-  InstrumentPose pose;
-  pose.tip_mm = mix(from.tip_mm, to.tip_mm);
-  pose.axis = axis_between(from.axis, to.axis, part);
-  pose.roll_degrees = mix(from.roll_degrees, to.roll_degrees);
-  pose.opening_degrees = mix(from.opening_degrees, to.opening_degrees);
-  pose.active = mix(from.active, to.active);
-  return pose;
-}
 
 void grip(Sheet& sheet, const MembraneParams& params, int tool, const Instrument& instrument,
           const InstrumentPose& pose, std::vector<char>& is_closed, MembraneReport& report) {

@@ -6,9 +6,6 @@
 
 namespace supple {
 
-/// Pose at a part of a step, 0 to 1: the tip goes straight, the axis along the great circle.
-InstrumentPose pose_between(const InstrumentPose& from, const InstrumentPose& to, double part);
-
 /// Takes hold or lets go, and puts held nodes where the pose has them. `is_closed` per tool lasts
 /// from step to step. Adds events.
 void grip(Sheet& sheet, const MembraneParams& params, int tool, const Instrument& instrument,

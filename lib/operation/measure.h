@@ -1,5 +1,5 @@
-// What scores measure of an operation: one row of a table for each measure, found step by step from
-// samples, with memory that does not grow with time.
+// Measures of an operation, by which it is scored: one row of a table for each measure, found step
+// by step from samples, with memory that does not grow with time.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ enum class ScoreCategory { tissue, efficiency, target, instruments, microscope }
 constexpr int kScoreCategories = 5;
 const std::vector<std::string>& category_keys();
 
-/// What measures know of the scene beside its samples.
+/// Facts of the scene that measures know beside its samples.
 struct OperationSurroundings {
   Vec3d globe_centre_mm{0, 0, 0};
   double globe_radius_mm = 0;     // 0: there is none

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "volumes/base/random.h"
+
 namespace supple {
 
 namespace {
@@ -13,27 +15,13 @@ constexpr float kFibril = 120, kClot = 90;  // at their middle
 constexpr int kFibrils = 160, kClots = 8;
 constexpr double kBaseHeight = 0.55;  // of the base, in radii above the middle
 
-/// Numbers from 0 to 1, the same on all machines (SplitMix64).
-class Draws {
- public:
-  explicit Draws(std::uint64_t seed) : m_state(seed) {}
-  double next() {
-    std::uint64_t z = (m_state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return double((z ^ (z >> 31)) >> 11) * 0x1p-53;
+Vec3d in_ball(RandomNumbers& draws) {
+  for (;;) {
+    const double x = 2 * draws.next() - 1, y = 2 * draws.next() - 1, z = 2 * draws.next() - 1;
+    const Vec3d v(x, y, z);
+    if (v.dot(v) <= 1) return v;
   }
-  Vec3d in_ball() {
-    for (;;) {
-      const double x = 2 * next() - 1, y = 2 * next() - 1, z = 2 * next() - 1;
-      const Vec3d v(x, y, z);
-      if (v.dot(v) <= 1) return v;
-    }
-  }
-
- private:
-  std::uint64_t m_state;
-};
+}
 
 /// Rational bell, 1 at 0 and 0 from `width` on: the same bits on all machines.
 float bell(double square, double width) {
@@ -70,14 +58,15 @@ class DensityPainter {
 };
 
 /// A strand that wanders through the ball.
-void paint_fibril(DensityPainter& painter, Draws& draws, const Vec3d& centre, double radius) {
-  Vec3d place = centre + draws.in_ball() * radius;
-  Vec3d way = draws.in_ball();
+void paint_fibril(DensityPainter& painter, RandomNumbers& draws, const Vec3d& centre,
+                  double radius) {
+  Vec3d place = centre + in_ball(draws) * radius;
+  Vec3d way = in_ball(draws);
   const int steps = int(radius * (0.5 + draws.next()));
   const float height = kFibril * float(0.4 + 0.6 * draws.next());
   for (int n = 0; n < steps; ++n) {
     painter.dab(place, 1.5, height);
-    way = (way * 4.0 + draws.in_ball()).normalized();
+    way = (way * 4.0 + in_ball(draws)).normalized();
     place += way;
   }
 }
@@ -92,11 +81,11 @@ float gel_at(const Vec3d& from_centre, double radius) {
 
 DensityGrid make_vitreous_density(const BrickTopology& elements, const Vec3d& centre,
                                   double radius_voxels, std::uint64_t seed) {
-  Draws draws(seed);
+  RandomNumbers draws(seed);
   DensityPainter painter(elements);
   for (int n = 0; n < kFibrils; ++n) paint_fibril(painter, draws, centre, radius_voxels);
   for (int n = 0; n < kClots; ++n) {
-    const Vec3d place = centre + draws.in_ball() * radius_voxels;
+    const Vec3d place = centre + in_ball(draws) * radius_voxels;
     painter.dab(place, 1.5 + 2.5 * draws.next(), kClot);
   }
   std::vector<float>& values = painter.values();
