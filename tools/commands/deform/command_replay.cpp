@@ -1,6 +1,7 @@
 // supple replay: a journal or a scene as a live session, and how long its events took.
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include "tools/commands/deform/operation_command.h"
@@ -101,6 +102,9 @@ int run_operation(Table root, const ReplayFiles& files, const ReplayOptions& opt
 
 int run_replay(const ReplayFiles& files, const ReplayOptions& options, const GlobalOptions& global,
                Console& console) {
+  if (std::filesystem::path(files.input).extension() == ".jsonl") {
+    return tell_score_of(files.input, global);
+  }
   Table root = Table::read(files.input);
   if (is_operation(root)) return run_operation(std::move(root), files, options, global, console);
   if (!files.film.empty() && files.compares) {
@@ -157,9 +161,11 @@ Command add_replay(CLI::App& program) {
       "  supple replay session.toml --check jaw.vdb --scene batch.toml --image jaw.png");
   auto files = std::make_shared<ReplayFiles>();
   auto options = std::make_shared<ReplayOptions>();
-  app->add_option("input", files->input, "A journal, or a scene whose steps are its events")
+  app->add_option("input", files->input,
+                  "A journal, or a scene whose steps are its events; the log of an operation tells "
+                  "its score")
       ->required()
-      ->option_text("JOURNAL|SCENE.toml");
+      ->option_text("JOURNAL|SCENE.toml|LOG.jsonl");
   add_field_options(*app, fields(*options));
   app->add_option("--check", files->check,
                   "Fail unless the events lead to this state; of an operation, to this digest")

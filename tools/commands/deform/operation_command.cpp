@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "lib/operation/operation_log.h"
 #include "tools/console/command.h"
 #include "tools/scene/file/scene.h"
 #include "tools/scene/operation/operation_run.h"
@@ -53,6 +54,16 @@ void print_report(const Value& report) {
 void refuse_option(bool is_given, const char* option) {
   if (!is_given) return;
   throw UsageError(std::string(option) + ": an operation has none; it is for scenes of a volume");
+}
+
+int tell_score_of(const std::string& log, const GlobalOptions& global) {
+  const Value score = to_value(score_of_log(log));
+  if (global.json) {
+    std::printf("%s\n", json_text(score, 2).c_str());
+  } else {
+    print_score(score);
+  }
+  return kOk;
 }
 
 int run_operation(Table root, const OperationCommand& command, const GlobalOptions& global,

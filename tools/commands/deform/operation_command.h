@@ -26,6 +26,9 @@ struct OperationCommand {
 int run_operation(Table root, const OperationCommand& command, const GlobalOptions& global,
                   Console& console);
 
+/// Tells the score of a log, which is found anew from its steps. Throws as OperationLogReader.
+int tell_score_of(const std::string& log, const GlobalOptions& global);
+
 /// Throws UsageError for an option that operations do not have.
 void refuse_option(bool is_given, const char* option);
 

@@ -114,6 +114,19 @@ TEST_F(UnitOperationRun, ItsLogReplaysToTheSameScore) {
   const OperationScore score = score_of_log(m_folder / "out/log.jsonl");
   EXPECT_EQ(json_text(to_value(score), 2) + "\n", text_of_file(m_folder / "out/score.json"));
   EXPECT_EQ(score.tasks.at(0).progress, 1);
+  const Outcome told = run_supple({"replay", m_folder / "out/log.jsonl", "--json"});
+  EXPECT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.out, text_of_file(m_folder / "out/score.json"));
+}
+
+TEST_F(FaultOperationRun, ALogThatIsCutOffTellsNoScore) {
+  ASSERT_EQ(run(kOperation).exit_code, 0);
+  const std::string whole = text_of_file(m_folder / "out/log.jsonl");
+  write_text(m_folder / "cut.jsonl", whole.substr(0, whole.size() / 2));
+  const Outcome told = run_supple({"replay", m_folder / "cut.jsonl"});
+  EXPECT_EQ(told.exit_code, 3);
+  EXPECT_EQ(std::count(told.err.begin(), told.err.end(), '\n'), 1) << told.err;
+  EXPECT_TRUE(told.out.empty()) << told.out;
 }
 
 TEST_F(UnitOperationRun, ADryRunTellsStepsAndFilesAndWritesNothing) {
