@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -24,6 +25,8 @@ namespace supple::tools {
 namespace {
 
 constexpr const char* kServer = "/usr/bin/Xvfb";
+/// Starts a program that gets a signal when this one ends, however it ends.
+constexpr const char* kEndsWithParent = "/usr/bin/setpriv";
 
 double now_ms() {
   return std::chrono::duration<double, std::milli>(
@@ -63,11 +66,13 @@ PeerProcess::~PeerProcess() {
   ::close(m_socket);
 }
 
-/// The last line on stderr.
+/// The last line on stderr that has words beside a terminal's colours.
 std::string PeerProcess::complaint() const {
+  static const std::regex colour("\x1b\\[[0-9;]*m");
   std::ifstream stream(m_scratch / "stderr");
   std::string last;
   for (std::string line; std::getline(stream, line);) {
+    line = std::regex_replace(line, colour, "");
     if (!line.empty()) last = line;
   }
   return m_name + ": " + (last.empty() ? "failed" : last);
@@ -131,9 +136,9 @@ bool VirtualDisplay::is_installed() {
   return std::filesystem::exists(kServer);
 }
 
-VirtualDisplay::VirtualDisplay(bool is_for_one)
-    : m_server({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp",
-                is_for_one ? "-terminate" : "-noreset"}),
+VirtualDisplay::VirtualDisplay()
+    : m_server({kEndsWithParent, "--pdeathsig", "TERM", kServer, "-displayfd", "1", "-screen", "0",
+                "1280x1024x24", "-nolisten", "tcp", "-noreset"}),
       m_environment("DISPLAY=:" + m_server.read_line()) {}
 
 }  // namespace supple::tools

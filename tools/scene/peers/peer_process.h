@@ -60,8 +60,8 @@ class VirtualDisplay {
  public:
   /// True where Xvfb is installed.
   static bool is_installed();
-  /// Serves all programs, or one, with which it goes. Throws Error when it does not come up.
-  explicit VirtualDisplay(bool is_for_one = false);
+  /// Lives as long as the thread that makes it. Throws Error when it does not come up.
+  VirtualDisplay();
 
   /// The variable "DISPLAY=:N".
   const std::string& environment() const { return m_environment; }

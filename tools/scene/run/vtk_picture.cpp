@@ -93,6 +93,15 @@ FloatImage premultiplied(const Image& image) {
   return picture;
 }
 
+/// Draws on a display of its own; its start has been seen to fail on a busy machine.
+void draw_in_window(const Value& job, const VtkPicture& picture, Progress& progress) {
+  const VirtualDisplay display;
+  VtkPeer vtk(display, &progress);
+  vtk.open(job);
+  vtk.draw(picture);
+  vtk.finish();
+}
+
 }  // namespace
 
 void check_vtk_view(const SceneView& view) {
@@ -134,8 +143,6 @@ FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Progre
     throw InputError({view.place, "caster", "vtk without its Python modules or Xvfb",
                       "python3-vtk9 and xvfb installed"});
   }
-  const VirtualDisplay display(true);
-  VtkPeer vtk(display, &progress);
   progress.stage("rendering");
   const ScratchFolder folder;
   const VtkFrame frame(subject.geometry);
@@ -145,12 +152,18 @@ FloatImage draw_by_vtk(const PosedVolume& subject, const SceneView& view, Progre
                [&](int k, float* out) { slices(frame.source_slice(k), out); });
   RenderSettings settings = view_settings(view);
   for (Light& light : settings.lighting.lights) light = frame.from_world(light);
-  vtk.open(vtk_job(volume, frame.from_world(camera_of(subject, view)), look, settings,
-                   thread_limit(), true));
+  const Value job = vtk_job(volume, frame.from_world(camera_of(subject, view)), look, settings,
+                            thread_limit(), true);
   const Vec3d spacing = subject.geometry.spacing_mm();
   const double step_mm = settings.step_voxels * std::min({spacing.x, spacing.y, spacing.z});
-  vtk.draw({step_mm, settings.lighting.model != ShadingModel::none, false, picture});
-  vtk.finish();
+  const VtkPicture asked = {step_mm, settings.lighting.model != ShadingModel::none, false, picture};
+  try {
+    draw_in_window(job, asked, progress);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const Error&) {
+    draw_in_window(job, asked, progress);
+  }
   return premultiplied(read_png(picture));
 }
 
