@@ -11,43 +11,13 @@
 // This include is not above: foreach_target.h comes first.
 #include <hwy/contrib/math/math-inl.h>
 
-#include "raycast/sample/lanes-inl.h"
+#include "raycast/microscope/packet_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace supple {
 namespace HWY_NAMESPACE {
 namespace {
 
-HWY_INLINE HWY_ATTR VF load(const LaneFloats& from, int at) {
-  return hn::Load(kFloats, from.of + at);
-}
-HWY_INLINE HWY_ATTR void store(VF value, int at, LaneFloats& to) {
-  hn::Store(value, kFloats, to.of + at);
-}
-HWY_INLINE HWY_ATTR FloatVector load(const LaneVectors& from, int at) {
-  return {load(from.x, at), load(from.y, at), load(from.z, at)};
-}
-HWY_INLINE HWY_ATTR void store(const FloatVector& v, int at, LaneVectors& to) {
-  store(v.x, at, to.x);
-  store(v.y, at, to.y);
-  store(v.z, at, to.z);
-}
-HWY_INLINE HWY_ATTR FloatVector all(const Vec3f& v) {
-  return {floats(v.x), floats(v.y), floats(v.z)};
-}
-HWY_INLINE HWY_ATTR VF dot(const FloatVector& a, const FloatVector& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-HWY_INLINE HWY_ATTR FloatVector scaled(const FloatVector& v, VF factor) {
-  return {hn::Mul(v.x, factor), hn::Mul(v.y, factor), hn::Mul(v.z, factor)};
-}
-HWY_INLINE HWY_ATTR FloatVector difference(const FloatVector& a, const FloatVector& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-/// a + b * factor.
-HWY_INLINE HWY_ATTR FloatVector along(const FloatVector& a, const FloatVector& b, VF factor) {
-  return {hn::MulAdd(b.x, factor, a.x), hn::MulAdd(b.y, factor, a.y), hn::MulAdd(b.z, factor, a.z)};
-}
 HWY_INLINE HWY_ATTR VF inverse_length(const FloatVector& v) {
   constexpr float kShort = 1e-30f;
   return hn::Div(floats(1), hn::Sqrt(hn::Max(dot(v, v), floats(kShort))));
@@ -271,6 +241,42 @@ HWY_ATTR void shadow_rays_impl(const PacketPlaces& places, const LaneVectors& la
   }
 }
 
+HWY_ATTR void project_packet_impl(const LensFloats& lens, const LaneVectors& places,
+                                  PacketPixels& pixels) {
+  const int lanes = int(hn::Lanes(kFloats));
+  const FloatVector right = all(lens.right * (1 / lens.right.length2()));
+  const FloatVector down = all(lens.up * (-1 / lens.up.length2()));
+  for (int at = 0; at < kPacketRays; at += lanes) {
+    const FloatVector from_eye = difference(load(places, at), all(lens.origin));
+    const VF inverse = hn::Div(floats(1), dot(from_eye, all(lens.forward)));
+    store(hn::MulAdd(dot(from_eye, right), inverse, floats(lens.middle_x)), at, pixels.x);
+    store(hn::MulAdd(dot(from_eye, down), inverse, floats(lens.middle_y)), at, pixels.y);
+  }
+}
+
+HWY_ATTR void cluster_around_impl(const PacketPixels& pixels, int lane, float half_width,
+                                  std::uint32_t wanted, PixelCluster& cluster) {
+  const int lanes = int(hn::Lanes(kFloats));
+  const VF middle_x = floats(pixels.x[lane]), middle_y = floats(pixels.y[lane]);
+  VF left = middle_x, right = middle_x, top = middle_y, bottom = middle_y;
+  cluster.lanes = 0;
+  for (int at = 0; at < kPacketRays; at += lanes) {
+    const VF x = load(pixels.x, at), y = load(pixels.y, at);
+    const VF away = hn::Max(hn::Abs(hn::Sub(x, middle_x)), hn::Abs(hn::Sub(y, middle_y)));
+    const MF is_near =
+        hn::And(hn::RebindMask(kFloats, mask_of(wanted >> at)), hn::Le(away, floats(half_width)));
+    cluster.lanes |= bits_of(hn::RebindMask(kInts, is_near)) << at;
+    left = hn::Min(left, hn::IfThenElse(is_near, x, left));
+    right = hn::Max(right, hn::IfThenElse(is_near, x, right));
+    top = hn::Min(top, hn::IfThenElse(is_near, y, top));
+    bottom = hn::Max(bottom, hn::IfThenElse(is_near, y, bottom));
+  }
+  cluster.left = hn::GetLane(hn::MinOfLanes(kFloats, left));
+  cluster.top = hn::GetLane(hn::MinOfLanes(kFloats, top));
+  cluster.right = hn::GetLane(hn::MaxOfLanes(kFloats, right));
+  cluster.bottom = hn::GetLane(hn::MaxOfLanes(kFloats, bottom));
+}
+
 }  // namespace
 }  // namespace HWY_NAMESPACE
 }  // namespace supple
@@ -283,6 +289,8 @@ HWY_EXPORT(aim_rays_impl);
 HWY_EXPORT(globe_places_impl);
 HWY_EXPORT(lamp_light_impl);
 HWY_EXPORT(shadow_rays_impl);
+HWY_EXPORT(project_packet_impl);
+HWY_EXPORT(cluster_around_impl);
 
 LensFloats lens_of(const Camera& camera, int width, int height) {
   const CameraFrame frame = camera_frame(camera);
@@ -313,6 +321,19 @@ void lamp_light(const LampFloats& lamp, const PacketPlaces& places, PacketLight&
 void shadow_rays(const PacketPlaces& places, const LaneVectors& lamp_points, std::uint32_t wanted,
                  PacketRays& rays) {
   HWY_DYNAMIC_DISPATCH(shadow_rays_impl)(places, lamp_points, wanted, rays);
+}
+
+PacketPixels project_packet(const LensFloats& lens, const LaneVectors& places) {
+  PacketPixels pixels;
+  HWY_DYNAMIC_DISPATCH(project_packet_impl)(lens, places, pixels);
+  return pixels;
+}
+
+PixelCluster cluster_around(const PacketPixels& pixels, int lane, float half_width,
+                            std::uint32_t wanted) {
+  PixelCluster cluster;
+  HWY_DYNAMIC_DISPATCH(cluster_around_impl)(pixels, lane, half_width, wanted, cluster);
+  return cluster;
 }
 
 }  // namespace supple

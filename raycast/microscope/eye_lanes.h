@@ -59,4 +59,18 @@ void lamp_light(const LampFloats& lamp, const PacketPlaces& places, PacketLight&
 void shadow_rays(const PacketPlaces& places, const LaneVectors& lamp_points, std::uint32_t wanted,
                  PacketRays& rays);
 
+/// Pixel coordinates of places.
+struct PacketPixels {
+  LaneFloats x, y;
+};
+PacketPixels project_packet(const LensFloats& lens, const LaneVectors& places);
+
+/// The wanted ones of a packet within half a width of a pixel in x and y, and what they span.
+struct PixelCluster {
+  std::uint32_t lanes = 0;
+  float left, top, right, bottom;
+};
+PixelCluster cluster_around(const PacketPixels& pixels, int lane, float half_width,
+                            std::uint32_t wanted);
+
 }  // namespace supple

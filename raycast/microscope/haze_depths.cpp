@@ -45,23 +45,14 @@ FloatImage drawn(HazeLayer& layer, const Camera& camera, const RayDepths& depths
 
 }  // namespace
 
-void DrawnHaze::draw(HazeLayer& layer, const Camera& camera, const PicturePlanes& planes, int part,
-                     float start_mm) {
-  m_start_mm = start_mm;
-  m_has_balls = planes.has_front;
-  m_surface_depths = small_depths(planes, part, false);
-  m_to_surface = drawn(layer, camera, m_surface_depths);
-  if (!m_has_balls) return;
-  m_ball_depths = small_depths(planes, part, true);
-  m_to_ball = drawn(layer, camera, m_ball_depths);
-}
-
-HazeGrids DrawnHaze::grids() const {
-  HazeGrids grids;
-  grids.start_mm = m_start_mm;
-  grids.to_surface = {&m_to_surface, &m_surface_depths};
-  if (m_has_balls) grids.to_ball = {&m_to_ball, &m_ball_depths};
-  return grids;
+void draw_haze(HazeLayer& layer, const Camera& camera, const PicturePlanes& planes, int part,
+               HazeGrids& grids) {
+  const auto draw = [&](bool to_balls, HazeGrid& grid) {
+    const RayDepths depths = small_depths(planes, part, to_balls);
+    grid.assign(depths, drawn(layer, camera, depths));
+  };
+  draw(false, grids.to_surface);
+  if (planes.has_front) draw(true, grids.to_ball);
 }
 
 }  // namespace supple

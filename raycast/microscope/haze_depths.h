@@ -6,19 +6,8 @@
 
 namespace supple {
 
-/// Small pictures of the haze, and the depths up to which they are drawn.
-class DrawnHaze {
- public:
-  /// Draws the layer at 1/part of the size; twice where balls are kept apart.
-  void draw(HazeLayer& layer, const Camera& camera, const PicturePlanes& planes, int part,
-            float start_mm);
-  HazeGrids grids() const;
-
- private:
-  RayDepths m_surface_depths, m_ball_depths;
-  FloatImage m_to_surface, m_to_ball;
-  bool m_has_balls = false;
-  float m_start_mm = 0;
-};
+/// Draws the layer at 1/part of the size, up to surfaces, and to balls where these are kept apart.
+void draw_haze(HazeLayer& layer, const Camera& camera, const PicturePlanes& planes, int part,
+               HazeGrids& grids);
 
 }  // namespace supple

@@ -84,6 +84,12 @@ void validate(const Camera& camera, const MicroscopeSettings& settings) {
   require_between("haze part", settings.haze_part, 0, kMostPart);
 }
 
+void set_size(int width, int height, Image& image) {
+  image.width = width, image.height = height;
+  image.has_alpha = false;
+  image.rgba.resize(4 * std::size_t(width) * height);
+}
+
 }  // namespace
 
 struct Microscope::Impl {
@@ -93,7 +99,7 @@ struct Microscope::Impl {
   LampLight lamp;
   std::vector<BallFloats> balls;
   PicturePlanes planes;
-  DrawnHaze haze;
+  HazeGrids haze;
 
   int add(const SurfaceLook& look, float lift_mm) {
     surfaces.push_back(surface_of(look, lift_mm));
@@ -101,8 +107,9 @@ struct Microscope::Impl {
   }
   EyeScene scene_of(const Camera& camera, const MicroscopeSettings& settings) const;
   float globe_distance(const Camera& camera) const;
-  Image draw(const Camera& camera, const MicroscopeSettings& settings, HazeLayer* layer,
-             MicroscopeTimes* times);
+  void prepare(const MicroscopeSettings& settings, MicroscopeTimes* times);
+  void draw(const Camera& camera, const MicroscopeSettings& settings, HazeLayer* layer,
+            MicroscopeTimes* times, int left, Image& image);
 };
 
 EyeScene Microscope::Impl::scene_of(const Camera& camera,
@@ -131,8 +138,20 @@ float Microscope::Impl::globe_distance(const Camera& camera) const {
   return std::max(distance - globe.radius, 0.0f);
 }
 
-Image Microscope::Impl::draw(const Camera& camera, const MicroscopeSettings& settings,
-                             HazeLayer* layer, MicroscopeTimes* times) {
+/// Whatever all eyes of a picture share.
+void Microscope::Impl::prepare(const MicroscopeSettings& settings, MicroscopeTimes* times) {
+  const Stopwatch build;
+  shapes.commit();
+  LampFloats light = lamp_of(lamp, settings.ambient);
+  light.is_on &= settings.shadow_samples > 0;
+  const double radius_mm = settings.shadow_samples == 1 ? 0 : settings.lamp_radius_mm;
+  shapes.light_from(light, {float(radius_mm), globe.centre, globe.radius});
+  if (times != nullptr) *times = {build.ms()};
+}
+
+/// Draws into a part of an image, from a column on.
+void Microscope::Impl::draw(const Camera& camera, const MicroscopeSettings& settings,
+                            HazeLayer* layer, MicroscopeTimes* times, int left, Image& image) {
   const bool has_haze = layer != nullptr && settings.haze_part > 0;
   const EyeScene scene = scene_of(camera, settings);
   planes.resize(settings.width, settings.height, has_haze && !balls.empty());
@@ -142,17 +161,14 @@ Image Microscope::Impl::draw(const Camera& camera, const MicroscopeSettings& set
   if (settings.smooth_edges) smooth_edges(scene, planes);
   const double edges_ms = edges.ms();
   const Stopwatch haze_watch;
-  HazeGrids grids;
-  if (has_haze) {
-    haze.draw(*layer, camera, planes, settings.haze_part, globe_distance(camera));
-    grids = haze.grids();
-  }
+  haze.to_surface.width = 0;
+  haze.start_mm = globe_distance(camera);
+  if (has_haze) draw_haze(*layer, camera, planes, settings.haze_part, haze);
   const double haze_ms = haze_watch.ms();
   const Stopwatch tone;
-  Image image(settings.width, settings.height);
-  image.has_alpha = false;
   parallel_for(settings.height, Grain{8}, [&](int y) {
-    tone_row(planes, grids, settings.eyepiece, y, &image.rgba[4ul * y * settings.width]);
+    tone_row(planes, haze, settings.eyepiece, y,
+             &image.rgba[4 * (std::size_t(y) * image.width + left)]);
   });
   if (times != nullptr) {
     times->rays_ms += passes.rays_ms;
@@ -161,7 +177,6 @@ Image Microscope::Impl::draw(const Camera& camera, const MicroscopeSettings& set
     times->haze_ms += haze_ms;
     times->tone_ms += tone.ms();
   }
-  return image;
 }
 
 Microscope::Microscope() : m_impl(std::make_unique<Impl>()) {}
@@ -191,7 +206,7 @@ void Microscope::set_spots(const std::vector<BloodSpot>& spots) {
 
 int Microscope::add_rigid(const TriangleMesh& mesh, const SurfaceLook& look) {
   const int number = m_impl->add(look, kRigidLiftMm);
-  m_impl->shapes.shape(number, mesh.vertices_lps_mm, mesh.triangles, kRigidCreaseDegrees, true);
+  m_impl->shapes.shape(number, mesh.vertices_lps_mm, mesh.triangles, kRigidCreaseDegrees);
   return number;
 }
 
@@ -206,7 +221,7 @@ int Microscope::add_soft(const SurfaceLook& look) {
 
 void Microscope::reshape(int soft, const std::vector<Vec3d>& vertices_mm,
                          const std::vector<std::array<int, 3>>& triangles) {
-  m_impl->shapes.shape(soft, vertices_mm, triangles, kSoftCreaseDegrees, false);
+  m_impl->shapes.shape(soft, vertices_mm, triangles, kSoftCreaseDegrees);
 }
 
 void Microscope::set_lamp(const LampLight& lamp) {
@@ -221,29 +236,23 @@ void Microscope::set_balls(const std::vector<TaskBall>& balls) {
   }
 }
 
-Image Microscope::draw(const Camera& camera, const MicroscopeSettings& settings, HazeLayer* haze,
-                       MicroscopeTimes* times) {
+void Microscope::draw(const Camera& camera, const MicroscopeSettings& settings, Image& image,
+                      HazeLayer* haze, MicroscopeTimes* times) {
   validate(camera, settings);
-  if (times != nullptr) *times = {};
-  const Stopwatch build;
-  m_impl->shapes.commit();
-  if (times != nullptr) times->build_ms = build.ms();
-  return m_impl->draw(camera, settings, haze, times);
+  m_impl->prepare(settings, times);
+  set_size(settings.width, settings.height, image);
+  m_impl->draw(camera, settings, haze, times, 0, image);
 }
 
-Microscope::Pair Microscope::draw_pair(const Camera& camera, double eye_separation_mm,
-                                       const MicroscopeSettings& settings, HazeLayer* haze,
-                                       MicroscopeTimes* times) {
+void Microscope::draw_pair(const Camera& camera, double eye_separation_mm,
+                           const MicroscopeSettings& settings, Image& both, HazeLayer* haze,
+                           MicroscopeTimes* times) {
   validate(camera, settings);
-  if (times != nullptr) *times = {};
+  m_impl->prepare(settings, times);
   const StereoCameras eyes = stereo_cameras(camera, eye_separation_mm);
-  const Stopwatch build;
-  m_impl->shapes.commit();
-  if (times != nullptr) times->build_ms = build.ms();
-  Pair pair;
-  pair.left = m_impl->draw(eyes.left, settings, haze, times);
-  pair.right = m_impl->draw(eyes.right, settings, haze, times);
-  return pair;
+  set_size(2 * settings.width, settings.height, both);
+  m_impl->draw(eyes.left, settings, haze, times, 0, both);
+  m_impl->draw(eyes.right, settings, haze, times, settings.width, both);
 }
 
 }  // namespace supple

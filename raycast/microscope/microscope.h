@@ -117,16 +117,15 @@ class Microscope {
   void set_lamp(const LampLight& lamp);
   void set_balls(const std::vector<TaskBall>& balls);
 
-  /// Same bits for any number of threads. `haze`: null for none. With a globe only what lies within
-  /// it is seen. Throws InputError: an orthographic or bad camera, settings out of their range.
-  Image draw(const Camera& camera, const MicroscopeSettings& settings, HazeLayer* haze = nullptr,
-             MicroscopeTimes* times = nullptr);
-  /// Two pictures of settings.width each, which share a window in the plane of the camera's target.
-  struct Pair {
-    Image left, right;
-  };
-  Pair draw_pair(const Camera& camera, double eye_separation_mm, const MicroscopeSettings& settings,
-                 HazeLayer* haze = nullptr, MicroscopeTimes* times = nullptr);
+  /// Draws into an image of any size before, whose memory is used again; same bits for any number
+  /// of threads. `haze`: null for none. With a globe only what lies within it is seen. Throws
+  /// InputError: an orthographic or bad camera, settings out of their range.
+  void draw(const Camera& camera, const MicroscopeSettings& settings, Image& image,
+            HazeLayer* haze = nullptr, MicroscopeTimes* times = nullptr);
+  /// Two pictures of settings.width each beside each other, the left eye's first, which share a
+  /// window in the plane of the camera's target.
+  void draw_pair(const Camera& camera, double eye_separation_mm, const MicroscopeSettings& settings,
+                 Image& both, HazeLayer* haze = nullptr, MicroscopeTimes* times = nullptr);
 
  private:
   struct Impl;

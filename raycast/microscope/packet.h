@@ -35,7 +35,7 @@ struct PacketRays {
 struct PacketHits {
   std::uint32_t met = 0;
   LaneFloats distance, u, v;  // weights of the second and third corner
-  int shape[kPacketRays], triangle[kPacketRays];
+  alignas(64) int triangle[kPacketRays], shape[kPacketRays];
 };
 
 /// Lit places of surfaces.

@@ -10,9 +10,7 @@ namespace supple {
 
 namespace {
 
-constexpr int kMostLayers = 8;         // of translucent surfaces along a ray
-constexpr float kNextLayerMm = 2e-3f;  // behind a surface the ray goes on
-constexpr float kRetinaLiftMm = 0.004f;
+constexpr int kMostLayers = 8;  // of translucent surfaces along a ray
 /// Chords of what lies on the globe pass behind it.
 constexpr float kSkinMm = 0.005f;
 constexpr float kEndless = std::numeric_limits<float>::infinity();
@@ -20,15 +18,6 @@ constexpr float kEndless = std::numeric_limits<float>::infinity();
 bool has(std::uint32_t mask, int lane) {
   return (mask >> lane & 1) != 0;
 }
-
-/// What packets carry from layer to layer.
-struct Layers {
-  PacketRays rays;
-  LaneFloats end_mm;  // of rays on the globe
-  LaneFloats clear;   // part that is still seen of what comes
-  LaneFloats front_clear;
-  LaneFloats reached_mm;  // of balls that have been put in
-};
 
 /// A turn of the samples that differs from pixel to pixel without a pattern that the eye finds (J.
 /// Jimenez, Next generation post processing in Call of Duty, 2014: interleaved gradient noise).
@@ -56,56 +45,59 @@ void sample_lamp(const EyeScene& scene, const LaneFloats& cosine, const LaneFloa
   }
 }
 
-/// Part of the lamp's light that reaches each place.
-void lamp_passing(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y,
-                  const PacketPlaces& places, std::uint32_t wanted, LaneFloats& part) {
-  for (float& p : part.of) p = 1;
-  const LampDisc& disc = scene.disc;
-  if (wanted == 0 || disc.samples == 0) return;
-  const float reach = disc.samples == 1 ? 0 : disc.across.length();
-  if (!scene.shapes->may_shade(places, wanted, scene.lamp.place, reach)) return;
-  PacketRays rays;
+/// Part of the lamp's light that reaches places, from the middle of its disc.
+void hard_passing(const EyeScene& scene, const PacketPlaces& places, const TriangleList& list,
+                  std::uint32_t listed, LaneFloats& part) {
   LaneVectors points;
-  if (disc.samples == 1) {
-    for (int lane = 0; lane < kPacketRays; ++lane) points.set(lane, scene.lamp.place);
-    shadow_rays(places, points, wanted, rays);
-    scene.shapes->passing(rays, part);
-    return;
-  }
-  LaneFloats sum{}, one, cosine, sine;
-  for (int lane = 0; lane < kPacketRays; ++lane) {
-    const auto& turn = disc.turns[std::size_t(turn_of_pixel(x[lane], y[lane]))];
-    cosine[lane] = turn[0], sine[lane] = turn[1];
-  }
-  for (int sample = 0; sample < disc.samples; ++sample) {
-    sample_lamp(scene, cosine, sine, sample, points);
-    shadow_rays(places, points, wanted, rays);
-    scene.shapes->passing(rays, one);
-    for (int lane = 0; lane < kPacketRays; ++lane) sum[lane] += one[lane];
-  }
-  for (int lane = 0; lane < kPacketRays; ++lane) part[lane] = sum[lane] / float(disc.samples);
+  for (int lane = 0; lane < kPacketRays; ++lane) points.set(lane, scene.lamp.place);
+  PacketRays rays;
+  shadow_rays(places, points, listed, rays);
+  scene.shapes->passing(rays, list, part);
 }
 
-/// Replaces places on the globe by those of shapes before it.
-void put_hits(const EyeScene& scene, const PacketHits& hits, const PacketRays& rays,
-              PacketPlaces& places) {
-  for (float& lift : places.lift_mm.of) lift = kRetinaLiftMm;
-  if (hits.met == 0) return;
+/// The same from all of its disc.
+void soft_passing(const EyeScene& scene, const LaneVectors& turns, const PacketPlaces& places,
+                  const TriangleList& list, std::uint32_t listed, LaneFloats& part) {
+  PacketRays rays;
+  LaneVectors points;
+  LaneFloats sum{}, one;
+  for (int sample = 0; sample < scene.disc.samples; ++sample) {
+    sample_lamp(scene, turns.x, turns.y, sample, points);
+    shadow_rays(places, points, listed, rays);
+    scene.shapes->passing(rays, list, one);
+    for (int lane = 0; lane < kPacketRays; ++lane) sum[lane] += one[lane];
+  }
   for (int lane = 0; lane < kPacketRays; ++lane) {
-    if (!has(hits.met, lane)) continue;
-    const SurfaceFloats& surface = (*scene.surfaces)[std::size_t(hits.shape[lane])];
-    const Vec3f direction = rays.direction[lane];
-    const Vec3f normal = scene.shapes->normal(hits, lane);
-    places.at.set(lane, rays.origin[lane] + direction * hits.distance[lane]);
-    places.normal.set(lane, normal.dot(direction) > 0 ? -normal : normal);
-    places.from_eye.set(lane, direction);
-    places.red[lane] = surface.colour.x;
-    places.green[lane] = surface.colour.y;
-    places.blue[lane] = surface.colour.z;
-    places.opacity[lane] = surface.opacity;
-    places.specular[lane] = surface.specular;
-    places.shininess[lane] = surface.shininess;
-    places.lift_mm[lane] = surface.lift_mm;
+    part[lane] = sum[lane] / float(scene.disc.samples);
+  }
+}
+
+/// Part of the lamp's light that reaches each place.
+void lamp_passing(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y,
+                  const PacketPlaces& places, std::uint32_t wanted, ShaderRoom& room,
+                  LaneFloats& part) {
+  for (float& p : part.of) p = 1;
+  const TriangleBins& casters = scene.shapes->before_lamp();
+  const bool is_hard = scene.disc.samples == 1;
+  if (wanted == 0 || casters.is_empty()) return;
+  const PacketPixels pixels = casters.pixels_of(places.at);
+  LaneVectors turns;  // cosines and sines
+  for (int lane = 0; !is_hard && lane < kPacketRays; ++lane) {
+    const auto& turn = scene.disc.turns[std::size_t(turn_of_pixel(x[lane], y[lane]))];
+    turns.x[lane] = turn[0], turns.y[lane] = turn[1];
+  }
+  while (wanted != 0) {
+    std::uint32_t listed = 0;
+    const TriangleList list = casters.list_near(pixels, wanted, listed, room.shading);
+    if (list.count == 0) continue;
+    LaneFloats found;
+    if (is_hard)
+      hard_passing(scene, places, list, listed, found);
+    else
+      soft_passing(scene, turns, places, list, listed, found);
+    for (int lane = 0; lane < kPacketRays; ++lane) {
+      part[lane] = has(listed, lane) ? found[lane] : part[lane];
+    }
   }
 }
 
@@ -144,45 +136,14 @@ void begin(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y, Laye
   picture.colour = picture.front = {};
 }
 
-/// Adds a lit layer behind those before it, and goes on where something of the next is seen.
-void add_layer(const PacketLight& light, const LaneFloats& passing, const PacketHits& hits,
-               const LaneFloats& distance, bool is_hard, Layers& layers, PacketPicture& picture) {
-  // Without branches, so that loops become vectors.
-  const std::uint32_t active = layers.rays.active;
-  const auto add = [&](LaneFloats& sum, const LaneFloats& lit, const LaneFloats& ambient) {
-    for (int lane = 0; lane < kPacketRays; ++lane) {
-      const float seen = layers.clear[lane] * (lit[lane] * passing[lane] + ambient[lane]);
-      sum[lane] += has(active, lane) ? seen : 0.0f;
-    }
-  };
-  add(picture.colour.red, light.lit.red, light.ambient.red);
-  add(picture.colour.green, light.lit.green, light.ambient.green);
-  add(picture.colour.blue, light.lit.blue, light.ambient.blue);
-  const float levels = is_hard ? 4 : 0;
-  std::uint32_t open = 0;
-  for (int lane = 0; lane < kPacketRays; ++lane) {
-    const bool is_active = has(active, lane), is_hit = has(hits.met, lane);
-    const float clear = layers.clear[lane] * (1 - light.opacity[lane]);
-    layers.clear[lane] = is_active ? clear : layers.clear[lane];
-    layers.reached_mm[lane] = is_active ? distance[lane] : layers.reached_mm[lane];
-    layers.rays.near[lane] = distance[lane] + kNextLayerMm;
-    const auto shape = std::uint32_t(is_hit ? hits.shape[lane] + 2 : 1);
-    const auto level = std::uint32_t(int(passing[lane] * levels + 0.5f));
-    const std::uint32_t key = (picture.key[lane] * 257 + shape) * 8 + level;
-    picture.key[lane] = is_active ? key : picture.key[lane];
-    open |= std::uint32_t(is_active & is_hit & (clear > 0.004f)) << lane;
-  }
-  layers.rays.active = open;
-}
-
 /// Where each ray's layer lies: the shape that it meets, the globe, or nowhere.
-void find_layer(const EyeScene& scene, bool meets_shapes, Layers& layers, PacketHits& hits,
+void find_layer(const EyeScene& scene, const TriangleList& list, Layers& layers, PacketHits& hits,
                 LaneFloats& distance) {
   hits.met = 0;
   distance = layers.end_mm;
-  if (!meets_shapes) return;
+  if (list.count == 0) return;
   for (float& far : layers.rays.far.of) far += kSkinMm;
-  scene.shapes->first_hits(layers.rays, hits);
+  scene.shapes->first_hits(layers.rays, list, hits);
   layers.rays.far = layers.end_mm;
   if (hits.met == 0) return;
   for (int lane = 0; lane < kPacketRays; ++lane) {
@@ -207,9 +168,9 @@ LampDisc lamp_disc(const Vec3d& direction, double radius_mm, int samples) {
 }
 
 void shade_packet(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y,
-                  bool meets_shapes, PacketPicture& picture, ShadowClock* clock) {
-  const auto started =
-      clock != nullptr ? std::chrono::steady_clock::now() : std::chrono::steady_clock::time_point();
+                  const TriangleList& list, ShaderRoom& room, PacketPicture& picture) {
+  using Clock = std::chrono::steady_clock;
+  const auto started = room.is_timed ? Clock::now() : Clock::time_point();
   Layers layers;
   begin(scene, x, y, layers, picture);
   PacketHits hits;
@@ -217,7 +178,7 @@ void shade_packet(const EyeScene& scene, const LaneFloats& x, const LaneFloats& 
   PacketLight light;
   LaneFloats distance, passing;
   for (int n = 0; n < kMostLayers && layers.rays.active != 0; ++n) {
-    find_layer(scene, meets_shapes, layers, hits, distance);
+    find_layer(scene, list, layers, hits, distance);
     for (const BallFloats& ball : scene.balls) {
       put_ball(ball, distance, layers.rays.active, n == 0, layers, picture);
     }
@@ -229,18 +190,19 @@ void shade_packet(const EyeScene& scene, const LaneFloats& x, const LaneFloats& 
     for (int lane = 0; n == 0 && lane < kPacketRays; ++lane) {
       if (has(layers.rays.active, lane)) picture.depth_mm[lane] = distance[lane];
     }
-    put_hits(scene, hits, layers.rays, places);
+    put_hits(scene.shapes->normals(), scene.surfaces->data(), hits, layers.rays, places);
     lamp_light(scene.lamp, places, light);
     const std::uint32_t wanted = layers.rays.active & light.reached;
-    const auto shadow_started = clock != nullptr ? std::chrono::steady_clock::now() : started;
-    lamp_passing(scene, x, y, places, wanted, passing);
-    if (clock != nullptr) clock->shadow_ms += ms_since(shadow_started);
-    add_layer(light, passing, hits, distance, scene.disc.samples == 1, layers, picture);
+    const auto shadow_started = room.is_timed ? Clock::now() : started;
+    lamp_passing(scene, x, y, places, wanted, room, passing);
+    if (room.is_timed) room.shadow_ms += ms_since(shadow_started);
+    add_layer(light, passing, hits, distance, scene.disc.samples == 1 ? 4.0f : 0.0f, layers,
+              picture);
   }
   for (int lane = 0; lane < kPacketRays; ++lane) {
     picture.front_opacity[lane] = 1 - layers.front_clear[lane];
   }
-  if (clock != nullptr) clock->whole_ms += ms_since(started);
+  if (room.is_timed) room.whole_ms += ms_since(started);
 }
 
 }  // namespace supple

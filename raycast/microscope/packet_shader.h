@@ -6,17 +6,11 @@
 #include <vector>
 
 #include "raycast/microscope/eye_lanes.h"
+#include "raycast/microscope/layer_lanes.h"
 #include "raycast/microscope/packet.h"
 #include "raycast/microscope/shape_scene.h"
 
 namespace supple {
-
-/// A shape's surface, linear.
-struct SurfaceFloats {
-  Vec3f colour;
-  float opacity, specular, shininess;
-  float lift_mm;  // of shadow rays
-};
 
 /// A translucent ball, which needs no light.
 struct BallFloats {
@@ -46,22 +40,15 @@ struct EyeScene {
   LampDisc disc;
 };
 
-struct PacketPicture {
-  PacketColours colour;                // linear, of surfaces and what lies behind the first of them
-  PacketColours front;                 // of balls before the first surface, premultiplied
-  LaneFloats front_opacity, front_mm;  // endless: no ball
-  LaneFloats depth_mm;                 // of the nearest surface; endless: none
-  std::uint32_t key[kPacketRays];      // tells surfaces and shadows of neighbours apart
+/// A thread's own.
+struct ShaderRoom {
+  TriangleRoom seen, shading;
+  bool is_timed = false;
+  double shadow_ms = 0, whole_ms = 0;  // of packets that were timed
 };
 
-/// Milliseconds of shadows, of those packets that were timed.
-struct ShadowClock {
-  double shadow_ms = 0, whole_ms = 0;
-};
-
-/// Shades the rays through pixel coordinates; `meets_shapes`: false where they cannot; `clock`:
-/// null where the packet is not timed.
+/// Shades the rays through pixel coordinates, which may meet the listed triangles.
 void shade_packet(const EyeScene& scene, const LaneFloats& x, const LaneFloats& y,
-                  bool meets_shapes, PacketPicture& picture, ShadowClock* clock = nullptr);
+                  const TriangleList& list, ShaderRoom& room, PacketPicture& picture);
 
 }  // namespace supple

@@ -10,9 +10,9 @@ namespace supple {
 
 namespace {
 
-constexpr int kBlock = SeenBlocks::kPixels;  // across a packet
-constexpr int kTile = 32;                    // pixels across the work of a thread
-constexpr int kTimedOf = 8;                  // one packet of so many is timed
+constexpr int kBlock = TriangleBins::kPixels;  // across a packet
+constexpr int kTile = 32;                      // pixels across the work of a thread
+constexpr int kTimedOf = 8;                    // one packet of so many is timed
 constexpr float kDepthStepMm = 0.1f;
 constexpr float kBrightest = 4;  // of a part of a pixel: it must not outshine the others
 
@@ -42,15 +42,14 @@ void put_front_over(PacketPicture& picture) {
   }
 }
 
-void draw_block(const EyeScene& scene, int left, int top, PicturePlanes& planes,
-                ShadowClock* clock) {
+void draw_block(const EyeScene& scene, int left, int top, ShaderRoom& room, PicturePlanes& planes) {
   LaneFloats x, y;
   for (int lane = 0; lane < kPacketRays; ++lane) {
     x[lane] = float(left + lane % kBlock) + 0.5f;
     y[lane] = float(top + lane / kBlock) + 0.5f;
   }
   PacketPicture picture;
-  shade_packet(scene, x, y, planes.seen.has(left, top), picture, clock);
+  shade_packet(scene, x, y, planes.seen.at_pixel(left, top), room, picture);
   for (int lane = 0; lane < kPacketRays; ++lane) {
     if (picture.front_opacity[lane] > 0) picture.key[lane] ^= 0x40000000u;
   }
@@ -97,25 +96,27 @@ void mark_edges(const PicturePlanes& planes, int y, int begin, int end, std::uin
 
 /// Replaces the colours of up to four pixels by means over four rays, which lie as on a turned
 /// square.
-void smooth_pixels(const EyeScene& scene, const std::uint16_t* pixels, int count, int left, int top,
-                   PicturePlanes& planes) {
+void smooth_pixels(const EyeScene& scene, const std::uint16_t* pixels, int count,
+                   const PixelTile& tile, ShaderRoom& room, PicturePlanes& planes) {
   static constexpr float kAside[4] = {0.375f, 0.875f, 0.125f, 0.625f};
   static constexpr float kDown[4] = {0.125f, 0.375f, 0.625f, 0.875f};
   LaneFloats x, y;
-  bool meets_shapes = false;
+  room.seen.clear();
   for (int lane = 0; lane < kPacketRays; ++lane) {
     const int pixel = pixels[std::min(lane / 4, count - 1)];
-    const int column = left + pixel % kTile, row = top + pixel / kTile;
+    const int column = tile.column_begin + pixel % kTile, row = tile.row_begin + pixel / kTile;
     x[lane] = float(column) + kAside[lane % 4];
     y[lane] = float(row) + kDown[lane % 4];
-    meets_shapes |= planes.seen.has(column, row);
+    if (lane % 4 != 0) continue;
+    const TriangleList list = planes.seen.at_pixel(column, row);
+    room.seen.add(list);
   }
   PacketPicture picture;
-  shade_packet(scene, x, y, meets_shapes, picture);
+  shade_packet(scene, x, y, room.seen.list(), room, picture);
   if (!planes.has_front) put_front_over(picture);
   for (int n = 0; n < count; ++n) {
-    const std::size_t at =
-        std::size_t(top + pixels[n] / kTile) * planes.stride + left + pixels[n] % kTile;
+    const std::size_t at = std::size_t(tile.row_begin + pixels[n] / kTile) * planes.stride +
+                           tile.column_begin + pixels[n] % kTile;
     const auto mean = [&](const LaneFloats& values, std::vector<float>& plane) {
       float sum = 0;
       for (int k = 0; k < 4; ++k) sum += std::min(values[4 * n + k], kBrightest);
@@ -148,42 +149,44 @@ void PicturePlanes::resize(int width_, int height_, bool has_front_) {
 
 void draw_pixels(const EyeScene& scene, PicturePlanes& planes, PassTimes* times) {
   const Stopwatch watch;
-  planes.seen.begin(scene.lens, planes.width, planes.height);
-  scene.shapes->mark_seen(planes.seen);
-  PerThread<ShadowClock> clocks;
+  scene.shapes->sort_seen(scene.lens, planes.width, planes.height, planes.seen);
+  PerThread<ShaderRoom> rooms;
   for_tiles(planes.width, planes.height, [&](const PixelTile& tile) {
-    ShadowClock* clock = times != nullptr ? &clocks.local() : nullptr;
+    ShaderRoom& room = rooms.local();
     int n = 0;
     for (int y = tile.row_begin; y < tile.row_end; y += kBlock) {
       for (int x = tile.column_begin; x < tile.column_end; x += kBlock) {
-        draw_block(scene, x, y, planes, n++ % kTimedOf == 0 ? clock : nullptr);
+        room.is_timed = times != nullptr && n++ % kTimedOf == 0;
+        draw_block(scene, x, y, room, planes);
       }
     }
   });
   if (times == nullptr) return;
-  ShadowClock sum;
-  for (const ShadowClock& clock : clocks) {
-    sum.shadow_ms += clock.shadow_ms, sum.whole_ms += clock.whole_ms;
-  }
-  const double part = sum.whole_ms > 0 ? sum.shadow_ms / sum.whole_ms : 0;
+  double shadow_ms = 0, whole_ms = 0;
+  for (const ShaderRoom& room : rooms) shadow_ms += room.shadow_ms, whole_ms += room.whole_ms;
+  const double part = whole_ms > 0 ? shadow_ms / whole_ms : 0;
   times->shadow_ms += part * watch.ms();
   times->rays_ms += (1 - part) * watch.ms();
 }
 
 void smooth_edges(const EyeScene& scene, PicturePlanes& planes) {
+  PerThread<ShaderRoom> rooms;
   for_tiles(planes.width, planes.height, [&](const PixelTile& tile) {
+    std::uint8_t is_edge[kTile][kTile] = {};
+    for (int y = tile.row_begin; y < tile.row_end; ++y) {
+      mark_edges(planes, y, tile.column_begin, tile.column_end, is_edge[y - tile.row_begin]);
+    }
+    // Block by block, so that rays of a packet are near each other.
     std::uint16_t pixels[kTile * kTile];
     int count = 0;
-    for (int y = tile.row_begin; y < tile.row_end; ++y) {
-      std::uint8_t is_edge[kTile];
-      mark_edges(planes, y, tile.column_begin, tile.column_end, is_edge);
-      for (int x = 0; x < tile.column_end - tile.column_begin; ++x) {
-        if (is_edge[x] != 0) pixels[count++] = std::uint16_t((y - tile.row_begin) * kTile + x);
-      }
+    for (int n = 0; n < kTile * kTile; ++n) {
+      const int block = n / (kBlock * kBlock), within = n % (kBlock * kBlock);
+      const int row = block / (kTile / kBlock) * kBlock + within / kBlock;
+      const int column = block % (kTile / kBlock) * kBlock + within % kBlock;
+      if (is_edge[row][column] != 0) pixels[count++] = std::uint16_t(row * kTile + column);
     }
     for (int n = 0; n < count; n += 4) {
-      smooth_pixels(scene, pixels + n, std::min(4, count - n), tile.column_begin, tile.row_begin,
-                    planes);
+      smooth_pixels(scene, pixels + n, std::min(4, count - n), tile, rooms.local(), planes);
     }
   });
 }

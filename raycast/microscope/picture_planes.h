@@ -17,7 +17,7 @@ struct PicturePlanes {
   bool has_front = false;
   std::vector<float> front_red, front_green, front_blue, front_opacity, front_mm;
   std::vector<std::uint32_t> key;
-  SeenBlocks seen;
+  TriangleBins seen;
 
   void resize(int width_, int height_, bool has_front_);
 };

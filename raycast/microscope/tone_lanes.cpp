@@ -22,10 +22,14 @@ struct HazeLanes {
   VF red, green, blue, opacity;
 };
 
-/// Four neighbours in a small picture, their weights and how far their depths are off.
+/// Four neighbours of each pixel in a small picture and their weights: the left and right ones of
+/// two rows.
 struct HazeTaps {
-  VI index[4];
-  VF weight[4], depth[4];
+  int first = 0;                // least column
+  bool is_narrow = true;        // no column is a vector's length or more from it
+  VI aside[2];                  // columns from `first` on
+  std::size_t row[2] = {0, 0};  // begins of rows
+  VF weight[4];
 };
 
 constexpr float kEndlessMm = 1e6f;    // stands for no end where depths are compared
@@ -37,34 +41,41 @@ HWY_INLINE HWY_ATTR VF finite_depth(VF depth) {
 
 HWY_INLINE HWY_ATTR HazeTaps taps_at(const HazeGrid& grid, const PicturePlanes& planes, int left,
                                      int y) {
-  const int width = grid.depths->width, height = grid.depths->height;
-  const float scale = float(height) / float(planes.height);
+  const int lanes = int(hn::Lanes(kFloats));
+  const float scale = float(grid.height) / float(planes.height);
   const VF centre =
       hn::Add(hn::Iota(kFloats, float(left)), floats(0.5f - 0.5f * float(planes.width)));
-  const VF u = hn::MulAdd(centre, floats(scale), floats(0.5f * float(width) - 0.5f));
+  const VF u = hn::MulAdd(centre, floats(scale), floats(0.5f * float(grid.width) - 0.5f));
   const float v = (float(y) + 0.5f) * scale - 0.5f;
   const float row = std::floor(v), t = v - row;
   const VF column = hn::Floor(u), s = hn::Sub(u, column);
   const VI x = hn::ConvertTo(kInts, column);
   HazeTaps taps;
+  taps.first = std::clamp(hn::GetLane(x), 0, grid.width - 1);
+  taps.is_narrow = scale * float(lanes) + 2 < float(lanes);
+  for (int n = 0; n < 2; ++n) {
+    const VI within = hn::Min(hn::Max(hn::Add(x, ints(n)), ints(0)), ints(grid.width - 1));
+    taps.aside[n] = hn::Sub(within, ints(taps.first));
+    taps.row[n] = std::size_t(std::clamp(int(row) + n, 0, grid.height - 1)) * grid.width;
+  }
   for (int n = 0; n < 4; ++n) {
-    const VI aside = hn::Min(hn::Max(hn::Add(x, ints(n & 1)), ints(0)), ints(width - 1));
-    const int down = std::clamp(int(row) + (n >> 1), 0, height - 1);
-    taps.index[n] = hn::Add(aside, ints(down * width));
     taps.weight[n] =
         hn::Mul((n & 1) != 0 ? s : hn::Sub(floats(1), s), floats((n >> 1) != 0 ? t : 1 - t));
-    taps.depth[n] = finite_depth(hn::GatherIndex(kFloats, grid.depths->mm.data(), taps.index[n]));
   }
   return taps;
 }
 
-HWY_INLINE HWY_ATTR HazeLanes haze_of(const HazeGrid& grid, VI index) {
-  const VI first = hn::ShiftLeft<2>(index);
-  const float* rgba = grid.picture->rgba.data();
-  return {hn::GatherIndex(kFloats, rgba, first),
-          hn::GatherIndex(kFloats, rgba, hn::Add(first, ints(1))),
-          hn::GatherIndex(kFloats, rgba, hn::Add(first, ints(2))),
-          hn::GatherIndex(kFloats, rgba, hn::Add(first, ints(3)))};
+/// What a plane has at tap n.
+HWY_INLINE HWY_ATTR VF tap(const HazeTaps& taps, const std::vector<float>& plane, int n) {
+  const float* from = plane.data() + taps.row[n >> 1] + taps.first;
+  const VI aside = taps.aside[n & 1];
+  if (!taps.is_narrow) return hn::GatherIndex(kFloats, from, aside);
+  return hn::TableLookupLanes(hn::LoadU(kFloats, from), hn::IndicesFromVec(kFloats, aside));
+}
+
+HWY_INLINE HWY_ATTR HazeLanes haze_of(const HazeGrid& grid, const HazeTaps& taps, int n) {
+  return {tap(taps, grid.red, n), tap(taps, grid.green, n), tap(taps, grid.blue, n),
+          tap(taps, grid.opacity, n)};
 }
 
 HWY_INLINE HWY_ATTR HazeLanes choose_haze(MF mask, const HazeLanes& yes, const HazeLanes& no) {
@@ -84,15 +95,14 @@ HWY_INLINE HWY_ATTR HazeLanes added(const HazeLanes& a, const HazeLanes& b, VF f
 /// no ray of the small picture has met.
 HWY_INLINE HWY_ATTR HazeLanes haze_by_depth(const HazeGrid& grid, const HazeTaps& taps, VF depth,
                                             float start_mm) {
-  VI index = taps.index[0];
-  VF nearest = taps.depth[0];
+  HazeLanes haze = haze_of(grid, taps, 0);
+  VF nearest = finite_depth(tap(taps, grid.depth_mm, 0));
   for (int n = 1; n < 4; ++n) {
-    const MF is_nearer =
-        hn::Lt(hn::Abs(hn::Sub(taps.depth[n], depth)), hn::Abs(hn::Sub(nearest, depth)));
-    nearest = hn::IfThenElse(is_nearer, taps.depth[n], nearest);
-    index = hn::IfThenElse(hn::RebindMask(kInts, is_nearer), taps.index[n], index);
+    const VF other = finite_depth(tap(taps, grid.depth_mm, n));
+    const MF is_nearer = hn::Lt(hn::Abs(hn::Sub(other, depth)), hn::Abs(hn::Sub(nearest, depth)));
+    nearest = hn::IfThenElse(is_nearer, other, nearest);
+    haze = choose_haze(is_nearer, haze_of(grid, taps, n), haze);
   }
-  const HazeLanes haze = haze_of(grid, index);
   const VF way = hn::Max(hn::Sub(depth, floats(start_mm)), floats(0));
   const VF known = hn::Max(hn::Sub(nearest, floats(start_mm)), floats(1e-3f));
   const VF ratio = hn::Min(hn::Div(way, known), floats(4));
@@ -111,10 +121,11 @@ HWY_INLINE HWY_ATTR HazeLanes haze_at(const HazeGrid& grid, const PicturePlanes&
   HazeLanes sum = {none, none, none, none};
   VF weights = none;
   for (int n = 0; n < 4; ++n) {
-    const VF off = hn::Mul(hn::Sub(taps.depth[n], depth), floats(1 / kSameDepthMm));
+    const VF end = finite_depth(tap(taps, grid.depth_mm, n));
+    const VF off = hn::Mul(hn::Sub(end, depth), floats(1 / kSameDepthMm));
     const VF alike = hn::Max(hn::NegMulAdd(off, off, floats(1)), none);
     const VF weight = hn::Mul(taps.weight[n], alike);
-    sum = added(sum, haze_of(grid, taps.index[n]), weight);
+    sum = added(sum, haze_of(grid, taps, n), weight);
     weights = hn::Add(weights, weight);
   }
   const MF is_known = hn::Gt(weights, floats(1e-3f));
@@ -148,7 +159,7 @@ HWY_INLINE HWY_ATTR HazeLanes light_of(const PicturePlanes& planes, const HazeGr
                                        int y, std::size_t at) {
   const HazeLanes surface = {load(planes.red, at), load(planes.green, at), load(planes.blue, at),
                              floats(1)};
-  if (haze.to_surface.picture == nullptr) return surface;
+  if (haze.to_surface.width == 0) return surface;
   const HazeLanes whole =
       haze_at(haze.to_surface, planes, left, y, load(planes.depth_mm, at), haze.start_mm);
   if (!planes.has_front) return over(whole, surface);
@@ -213,6 +224,19 @@ HWY_AFTER_NAMESPACE();
 namespace supple {
 
 HWY_EXPORT(tone_row_impl);
+
+void HazeGrid::assign(const RayDepths& depths, const FloatImage& picture) {
+  width = depths.width, height = depths.height;
+  const std::size_t count = depths.mm.size();
+  depth_mm = depths.mm;
+  for (auto* plane : {&depth_mm, &red, &green, &blue, &opacity}) {
+    plane->resize(count + kPacketRays);
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    red[n] = picture.rgba[4 * n], green[n] = picture.rgba[4 * n + 1];
+    blue[n] = picture.rgba[4 * n + 2], opacity[n] = picture.rgba[4 * n + 3];
+  }
+}
 
 void tone_row(const PicturePlanes& planes, const HazeGrids& haze, bool eyepiece, int y,
               std::uint8_t* rgba) {

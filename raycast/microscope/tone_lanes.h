@@ -10,10 +10,13 @@
 
 namespace supple {
 
-/// A haze that was drawn small, up to its own depths.
+/// A haze that was drawn small, up to its own depths: planes of a width and height, with a vector's
+/// length of numbers behind the last row.
 struct HazeGrid {
-  const FloatImage* picture = nullptr;  // null: none
-  const RayDepths* depths = nullptr;
+  int width = 0, height = 0;  // 0: none
+  std::vector<float> depth_mm, red, green, blue, opacity;
+
+  void assign(const RayDepths& depths, const FloatImage& picture);
 };
 
 struct HazeGrids {

@@ -34,7 +34,7 @@ const std::map<std::string, std::set<std::string>> kNever = {
 
 /// Third-party headers, and the only folders (with those below them) in which they may appear.
 const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
-    {"embree3/", {"raycast/march", "raycast/microscope"}},
+    {"embree3/", {"raycast/march"}},
     {"opencv2/", {"raycast/pictures/plugin"}},
     {"OpenEXR/", {"raycast/pictures/plugin"}},
     {"hwy/", {"raycast/march", "raycast/microscope", "raycast/sample"}},

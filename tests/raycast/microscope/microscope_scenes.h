@@ -126,4 +126,27 @@ inline LampLight aside_lamp() {
   return lamp;
 }
 
+inline Image picture_by(Microscope& microscope, const Camera& camera,
+                        const MicroscopeSettings& settings, HazeLayer* haze = nullptr) {
+  Image image;
+  microscope.draw(camera, settings, image, haze);
+  return image;
+}
+
+struct EyePair {
+  Image left, right;
+};
+inline EyePair pair_by(Microscope& microscope, const Camera& camera, double eye_separation_mm,
+                       const MicroscopeSettings& settings, HazeLayer* haze = nullptr) {
+  Image both;
+  microscope.draw_pair(camera, eye_separation_mm, settings, both, haze);
+  EyePair pair{{settings.width, settings.height}, {settings.width, settings.height}};
+  const std::size_t bytes = 4 * std::size_t(settings.width);
+  for (std::size_t y = 0; y < std::size_t(settings.height); ++y) {
+    std::copy_n(&both.rgba[2 * y * bytes], bytes, &pair.left.rgba[y * bytes]);
+    std::copy_n(&both.rgba[(2 * y + 1) * bytes], bytes, &pair.right.rgba[y * bytes]);
+  }
+  return pair;
+}
+
 }  // namespace supple

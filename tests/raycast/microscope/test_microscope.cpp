@@ -32,7 +32,7 @@ TEST(PropertyMicroscope, APixelOfTheGlobeHasTheTexelOfItsPlace) {
   MicroscopeSettings settings = small_picture();
   settings.ambient = 1;
   const Camera camera = eye_camera(3.8);
-  const Image picture = microscope.draw(camera, settings);
+  const Image picture = picture_by(microscope, camera, settings);
   int count = 0;
   for (int y = 3; y < settings.height; y += 9) {
     for (int x = 2; x < settings.width; x += 7) {
@@ -71,7 +71,7 @@ TEST(PropertyMicroscope, AShadowIsWhereABallStandsBetweenPlaceAndLamp) {
   settings.ambient = 0;
   settings.smooth_edges = false;
   const Camera camera = eye_camera();
-  const Image picture = microscope.draw(camera, settings);
+  const Image picture = picture_by(microscope, camera, settings);
   const Vec3d light = lamp.place_mm + lamp.direction * 0.03;
   int dark = 0, lit = 0;
   for (int y = 0; y < settings.height; ++y) {
@@ -111,7 +111,7 @@ double shadow_distance(const RigidPlacement& placement, const Camera& camera,
     if (is_there) {
       microscope.place(microscope.add_rigid(needle_mesh(8, kTipMm, 0.3), look), placement);
     }
-    const Microscope::Pair pair = microscope.draw_pair(camera, 9, settings);
+    const EyePair pair = pair_by(microscope, camera, 9, settings);
     return is_left ? pair.left : pair.right;
   };
   const Image with = drawn(true, true), without = drawn(false, true), bare = drawn(false, false);
@@ -171,7 +171,7 @@ TEST(PropertyMicroscope, ABallLiesWhereBothCamerasSeeIt) {
   for (const Vec3d& place : {Vec3d(0, 0, -9), Vec3d(2, -1.5, -4), Vec3d(-3, 2, -8)}) {
     placement.origin_mm = place;
     microscope.place(ball, placement);
-    const Microscope::Pair pair = microscope.draw_pair(camera, 9, settings);
+    const EyePair pair = pair_by(microscope, camera, 9, settings);
     const auto expect_at = [&](const Image& picture, const Camera& eye) {
       double px = 0, py = 0;
       ASSERT_TRUE(project_to_pixel(eye, 400, 300, place, px, py));
@@ -201,7 +201,7 @@ TEST(PropertyMicroscope, APlacedMeshLooksLikeOneWithMovedVertices) {
     }
     const int number = microscope.add_rigid(mesh, {});
     if (is_placed) microscope.place(number, placement);
-    return microscope.draw(eye_camera(), small_picture());
+    return picture_by(microscope, eye_camera(), small_picture());
   };
   const Image placed = drawn(true), moved = drawn(false);
   int differing = 0;
@@ -225,10 +225,10 @@ TEST(PropertyMicroscope, SmoothEdgesAreNearerToThePictureOfManyRays) {
   placement.origin_mm = {0.4, -0.3, -8};
   microscope.place(microscope.add_rigid(ball_mesh(1), {}), placement);
   MicroscopeSettings settings = small_picture();
-  const Image smooth = microscope.draw(eye_camera(), settings);
+  const Image smooth = picture_by(microscope, eye_camera(), settings);
   settings.smooth_edges = false;
-  const Image rough = microscope.draw(eye_camera(), settings);
-  const Image large = microscope.draw(eye_camera(), small_picture(8 * 160, 8 * 120));
+  const Image rough = picture_by(microscope, eye_camera(), settings);
+  const Image large = picture_by(microscope, eye_camera(), small_picture(8 * 160, 8 * 120));
   Image mean(160, 120);
   for (std::size_t n = 0; n < mean.rgba.size(); ++n) {
     const auto x = int(n / 4 % 160), y = int(n / 640), c = int(n % 4);
@@ -243,25 +243,25 @@ TEST(PropertyMicroscope, SmoothEdgesAreNearerToThePictureOfManyRays) {
 TEST(ExtremesMicroscope, SmallPicturesAndEmptyShapesAreDrawn) {
   Microscope microscope;
   const int soft = microscope.add_soft({});
-  EXPECT_EQ(microscope.draw(eye_camera(), small_picture(5, 3)).rgba.size(), 60u);
+  EXPECT_EQ(picture_by(microscope, eye_camera(), small_picture(5, 3)).rgba.size(), 60u);
   microscope.set_globe(grey_globe());
   microscope.reshape(soft, {}, {});
   MicroscopeSettings settings = small_picture(1, 1);
   settings.ambient = 1;
-  EXPECT_NEAR(light_at(microscope.draw(eye_camera(), settings), 0, 0), grey_albedo(), 0.02);
+  EXPECT_NEAR(light_at(picture_by(microscope, eye_camera(), settings), 0, 0), grey_albedo(), 0.02);
   microscope.reshape(soft, {{0, 0, -5}, {0, 0, -5}, {0, 0, -5}}, {{0, 1, 2}});
-  EXPECT_NEAR(light_at(microscope.draw(eye_camera(), settings), 0, 0), grey_albedo(), 0.02);
+  EXPECT_NEAR(light_at(picture_by(microscope, eye_camera(), settings), 0, 0), grey_albedo(), 0.02);
 }
 
 TEST(FaultMicroscope, WhatCannotBeDrawnIsRefused) {
   Microscope microscope;
   Camera parallel = eye_camera();
   parallel.projection = Projection::orthographic;
-  EXPECT_THROW(microscope.draw(parallel, small_picture()), InputError);
-  EXPECT_THROW(microscope.draw(eye_camera(), small_picture(0, 10)), InputError);
+  EXPECT_THROW(picture_by(microscope, parallel, small_picture()), InputError);
+  EXPECT_THROW(picture_by(microscope, eye_camera(), small_picture(0, 10)), InputError);
   MicroscopeSettings settings = small_picture();
   settings.shadow_samples = -1;
-  EXPECT_THROW(microscope.draw(eye_camera(), settings), InputError);
+  EXPECT_THROW(picture_by(microscope, eye_camera(), settings), InputError);
   const int soft = microscope.add_soft({});
   EXPECT_THROW(microscope.reshape(soft, {{0, 0, 0}}, {{0, 1, 2}}), InputError);
   EXPECT_THROW(microscope.reshape(soft, {{NAN, 0, 0}}, {}), InputError);

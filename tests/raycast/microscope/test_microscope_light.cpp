@@ -44,7 +44,7 @@ TEST(PropertyMicroscopeLight, TheRetinaIsLitByTheSquareOfTheDistanceAndTheCosine
   MicroscopeSettings settings = small_picture();
   settings.ambient = 0.02;
   const Camera camera = eye_camera();
-  const Image picture = microscope.draw(camera, settings);
+  const Image picture = picture_by(microscope, camera, settings);
   const Vec3d light = lamp.place_mm + lamp.direction * 0.03;
   int lit = 0, dark = 0;
   for (int y = 1; y < settings.height; y += 6) {
@@ -81,7 +81,7 @@ TEST(PropertyMicroscopeLight, ASheetThatDimsLetsItsPartPassAndOneThatBlocksNone)
     const SoftSheet sheet = flat_sheet(3, -7);
     const int soft = microscope.add_soft(glass);
     if (has_sheet) microscope.reshape(soft, sheet.vertices, sheet.triangles);
-    return light_at(microscope.draw(camera, settings), 83, 57);
+    return light_at(picture_by(microscope, camera, settings), 83, 57);
   };
   const double clear = light_behind(false, false, 1);
   EXPECT_GT(clear, 0.1);
@@ -100,7 +100,7 @@ TEST(PropertyMicroscopeLight, ASheetOfOpacityShowsItsPartOfWhatIsBehind) {
   microscope.reshape(microscope.add_soft(black), far.vertices, far.triangles);
   MicroscopeSettings settings = small_picture();
   settings.ambient = 0.8;
-  const Image picture = microscope.draw(eye_camera(), settings);
+  const Image picture = picture_by(microscope, eye_camera(), settings);
   EXPECT_NEAR(light_at(picture, 81, 62), 0.49 * 0.8 * grey_albedo(), 0.01);
 }
 
@@ -120,7 +120,7 @@ TEST(PropertyMicroscopeLight, AThinSheetMirrorsByItsOpacityWhichGrowsWithItsWayT
     microscope.reshape(microscope.add_soft(film), sheet.vertices, sheet.triangles);
     MicroscopeSettings settings = small_picture();
     settings.ambient = 0;
-    return light_at(microscope.draw(eye_camera(), settings), 80, 60);
+    return light_at(picture_by(microscope, eye_camera(), settings), 80, 60);
   };
   for (const double slant_degrees : {0.0, 20.0, 40.0}) {
     const double whole = mirrored(1, slant_degrees);
@@ -145,7 +145,7 @@ TEST(PropertyMicroscopeLight, AVeilAtRestIsFaintAndShowsTheContrastOfTheRetina) 
     for (Vec3d& v : sheet.vertices) v.z = -std::sqrt(10.98 * 10.98 - v.x * v.x - v.y * v.y);
     const int soft = microscope.add_soft(film);
     if (has_veil) microscope.reshape(soft, sheet.vertices, sheet.triangles);
-    return light_at(microscope.draw(eye_camera(), small_picture()), 82, 58);
+    return light_at(picture_by(microscope, eye_camera(), small_picture()), 82, 58);
   };
   const double bright = lit(170, false), dark = lit(90, false);
   const double veiled_bright = lit(170, true), veiled_dark = lit(90, true);
@@ -165,9 +165,9 @@ TEST(PropertyMicroscopeLight, SoftShadowsAreDarkInTheMiddleAndGradedAtTheEdge) {
   settings.ambient = 0, settings.smooth_edges = false, settings.lamp_radius_mm = 0.4;
   const auto between = [&](int samples) {
     settings.shadow_samples = samples;
-    const Image soft = microscope.draw(eye_camera(), settings);
+    const Image soft = picture_by(microscope, eye_camera(), settings);
     settings.shadow_samples = 0;
-    const Image open = microscope.draw(eye_camera(), settings);
+    const Image open = picture_by(microscope, eye_camera(), settings);
     int count = 0;
     for (int n = 0; n < 160 * 120; ++n) {
       const double part =
@@ -188,7 +188,7 @@ TEST(PropertyMicroscopeLight, HazeLiesOverSurfacesByTheirDepth) {
   for (const int part : {1, 2, 4, 7}) {
     MicroscopeSettings settings = small_picture(161, 119);
     settings.ambient = 0.8, settings.haze_part = part;
-    const Image picture = microscope.draw(camera, settings, &haze);
+    const Image picture = picture_by(microscope, camera, settings, &haze);
     for (int y = 2; y < settings.height; y += 13) {
       for (int x = 2; x < settings.width; x += 13) {
         const double a = haze.opacity(depth_of(camera, settings, x, y));
@@ -211,7 +211,7 @@ TEST(PropertyMicroscopeLight, ABallHasHazeBeforeAndBehindIt) {
   MicroscopeSettings settings = small_picture();
   settings.ambient = 0.8;
   const Camera camera = eye_camera();
-  const Image picture = microscope.draw(camera, settings, &haze);
+  const Image picture = picture_by(microscope, camera, settings, &haze);
   EXPECT_EQ(haze.calls, 2);
   const double front = haze.opacity(200 + 3 - 1.5);  // the ball's nearest place
   const double whole = haze.opacity(211);
@@ -219,7 +219,7 @@ TEST(PropertyMicroscopeLight, ABallHasHazeBeforeAndBehindIt) {
   const double behind = 0.9 * rest + (1 - rest) * 0.8 * grey_albedo();
   const double expected = 0.9 * front + (1 - front) * (0.5 + 0.5 * behind);
   EXPECT_NEAR(light_at(picture, 80, 60), expected, 0.02);
-  const Image clear = microscope.draw(camera, settings);
+  const Image clear = picture_by(microscope, camera, settings);
   EXPECT_NEAR(light_at(clear, 80, 60), 0.5 + 0.5 * 0.8 * grey_albedo(), 0.02);
 }
 
@@ -235,7 +235,7 @@ TEST(PropertyMicroscopeLight, ABallBehindASheetIsSeenThroughItAndOneBeforeIsNot)
   const double retina = 0.8 * grey_albedo();
   const auto light_with = [&](double z) {
     microscope.set_balls({{{0, 0, z}, 1, {1, 1, 1}, 0.5}});
-    return light_at(microscope.draw(eye_camera(), settings), 80, 60);
+    return light_at(picture_by(microscope, eye_camera(), settings), 80, 60);
   };
   EXPECT_NEAR(light_with(-8), 0.5 * (0.5 + 0.5 * retina), 0.015);
   EXPECT_NEAR(light_with(-2), 0.5 + 0.5 * 0.5 * retina, 0.015);
@@ -259,9 +259,9 @@ TEST(PropertyMicroscopeLight, CoarseHazeLeavesNoHaloAtSilhouettes) {
   haze.per_mm = 0.1, haze.colour = 1;
   MicroscopeSettings settings = small_picture(320, 240);
   settings.ambient = 0.5, settings.smooth_edges = false, settings.haze_part = 1;
-  const Image fine = microscope.draw(eye_camera(), settings, &haze);
+  const Image fine = picture_by(microscope, eye_camera(), settings, &haze);
   settings.haze_part = 4;
-  const Image coarse = microscope.draw(eye_camera(), settings, &haze);
+  const Image coarse = picture_by(microscope, eye_camera(), settings, &haze);
   int most = 0;
   for (std::size_t n = 0; n < fine.rgba.size(); ++n) {
     most = std::max(most, std::abs(int(fine.rgba[n]) - int(coarse.rgba[n])));
@@ -270,7 +270,7 @@ TEST(PropertyMicroscopeLight, CoarseHazeLeavesNoHaloAtSilhouettes) {
 }
 
 /// Everything at once.
-Microscope::Pair whole_pair(int threads) {
+EyePair whole_pair(int threads) {
   return on_threads(threads, [] {
     Microscope microscope;
     GlobeLook globe;
@@ -295,12 +295,12 @@ Microscope::Pair whole_pair(int threads) {
     EvenHaze haze;
     MicroscopeSettings settings = small_picture();
     settings.shadow_samples = 4;
-    return microscope.draw_pair(eye_camera(), 9, settings, &haze);
+    return pair_by(microscope, eye_camera(), 9, settings, &haze);
   });
 }
 
 TEST(PropertyMicroscopeLight, BitsAreTheSameForAnyNumberOfThreads) {
-  const Microscope::Pair one = whole_pair(1), two = whole_pair(2), five = whole_pair(5);
+  const EyePair one = whole_pair(1), two = whole_pair(2), five = whole_pair(5);
   EXPECT_EQ(one.left.rgba, two.left.rgba);
   EXPECT_EQ(one.right.rgba, two.right.rgba);
   EXPECT_EQ(one.left.rgba, five.left.rgba);
@@ -309,14 +309,14 @@ TEST(PropertyMicroscopeLight, BitsAreTheSameForAnyNumberOfThreads) {
 }
 
 TEST(PropertyMicroscopeLight, EveryInstructionSetGivesThePictureOfTheBest) {
-  const Microscope::Pair best = whole_pair(2);
+  const EyePair best = whole_pair(2);
   const std::vector<std::string> sets = sampling_instruction_sets();
 #ifdef SUPPLE_TEST_ALL_LANES
   EXPECT_GE(sets.size(), 2u);
 #endif
   for (const std::string& set : sets) {
     choose_sampling_instruction_set(set);
-    const Microscope::Pair pair = whole_pair(2);
+    const EyePair pair = whole_pair(2);
     int differing = 0;
     for (std::size_t n = 0; n < best.left.rgba.size(); ++n) {
       differing += std::abs(int(best.left.rgba[n]) - int(pair.left.rgba[n])) > 2;
@@ -324,18 +324,6 @@ TEST(PropertyMicroscopeLight, EveryInstructionSetGivesThePictureOfTheBest) {
     EXPECT_LT(differing, 100) << set;  // at edges
   }
   choose_sampling_instruction_set("");
-}
-
-// Packets of coherent shadow rays never came back from scenes with instances in Embree 3.13.5.
-TEST(UnitMicroscopeLight, ShadowsAmongInstancesReturnWithinAMinute) {
-  GTEST_FLAG_SET(death_test_style, "threadsafe");
-  EXPECT_EXIT(
-      {
-        alarm(60);
-        whole_pair(2);
-        _exit(0);
-      },
-      ::testing::ExitedWithCode(0), "");
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ void OperationLoop::draw() {
   }
   const Stopwatch watch;
   m_picture->follow(m_live.operation(), m_live.record().balls());
-  const Image image = m_picture->draw(m_live.view(), m_live.time_s());
+  const Image& image = m_picture->draw(m_live.view(), m_live.time_s());
   m_picture_times.add(watch.ms());
   m_is_seen = true;
   m_drawn = Clock::now();

@@ -50,19 +50,15 @@ TriangleMesh iris_mesh(const EyeSetup& eye) {
 
 }  // namespace
 
-Image beside(const Image& left, const Image& right) {
-  Image both(left.width + right.width, left.height);
-  both.has_alpha = false;
-  for (int y = 0; y < left.height; ++y) {
-    std::uint8_t* row = &both.rgba[std::size_t(y) * both.width * 4];
-    const auto copy = [&](const Image& from, std::uint8_t* to) {
-      const auto first = from.rgba.begin() + std::ptrdiff_t(y) * from.width * 4;
-      std::copy(first, first + std::ptrdiff_t(from.width) * 4, to);
-    };
-    copy(left, row);
-    copy(right, row + std::size_t(left.width) * 4);
+Image half_of(const Image& both, bool is_right) {
+  Image half(both.width / 2, both.height);
+  half.has_alpha = false;
+  const std::ptrdiff_t bytes = 4 * std::ptrdiff_t(half.width);
+  for (int y = 0; y < half.height; ++y) {
+    const auto from = both.rgba.begin() + (2 * y + int(is_right)) * bytes;
+    std::copy(from, from + bytes, half.rgba.begin() + y * bytes);
   }
-  return both;
+  return half;
 }
 
 /// The vitreous as pictures sample it, and the last of its steps that they have followed.
@@ -186,19 +182,19 @@ Camera OperationPicture::camera_of(const MicroscopeView& view, double time_s) co
   return camera;
 }
 
-Microscope::Pair OperationPicture::draw_pair(const MicroscopeView& view, double time_s,
-                                             MicroscopeTimes* times) {
-  return m_microscope.draw_pair(camera_of(view, time_s), view.eye_separation_mm, view.settings(),
-                                layer(), times);
-}
-
-Image OperationPicture::draw(const MicroscopeView& view, double time_s, MicroscopeTimes* times) {
+const Image& OperationPicture::draw(const MicroscopeView& view, double time_s,
+                                    MicroscopeTimes* times) {
+  const Camera camera = camera_of(view, time_s);
   if (view.stereo == StereoKind::none) {
-    return m_microscope.draw(camera_of(view, time_s), view.settings(), layer(), times);
+    m_microscope.draw(camera, view.settings(), m_image, layer(), times);
+    return m_image;
   }
-  const Microscope::Pair pair = draw_pair(view, time_s, times);
-  if (view.stereo != StereoKind::anaglyph) return beside(pair.left, pair.right);
-  return to_image(anaglyph(to_float(pair.left), to_float(pair.right)));
+  m_microscope.draw_pair(camera, view.eye_separation_mm, view.settings(), m_image, layer(), times);
+  if (view.stereo == StereoKind::anaglyph) {
+    m_image =
+        to_image(anaglyph(to_float(half_of(m_image, false)), to_float(half_of(m_image, true))));
+  }
+  return m_image;
 }
 
 }  // namespace supple::tools

@@ -21,12 +21,9 @@ class OperationPicture {
   /// Takes the state of a step; balls are those of the tasks.
   void follow(const Operation& operation, const std::vector<TaskBall>& balls);
 
-  /// One picture of the view, a stereo pair side by side or as an anaglyph. Two streams give the
-  /// pair side by side, too.
-  Image draw(const MicroscopeView& view, double time_s, MicroscopeTimes* times = nullptr);
-  /// A pair of two streams.
-  Microscope::Pair draw_pair(const MicroscopeView& view, double time_s,
-                             MicroscopeTimes* times = nullptr);
+  /// One picture of the view, valid until the next one; a stereo pair side by side, also for two
+  /// streams, or as an anaglyph.
+  const Image& draw(const MicroscopeView& view, double time_s, MicroscopeTimes* times = nullptr);
   /// The camera of a view in the eye's frame.
   Camera camera_of(const MicroscopeView& view, double time_s) const;
 
@@ -42,6 +39,7 @@ class OperationPicture {
 
   const OperationScene& m_scene;
   Microscope m_microscope;
+  Image m_image;
   std::vector<Placed> m_placed;
   std::vector<int> m_soft;  // per membrane
   struct Haze;
@@ -49,7 +47,7 @@ class OperationPicture {
   EyeTurn m_turn;
 };
 
-/// Two pictures of one height beside each other.
-Image beside(const Image& left, const Image& right);
+/// The left half of a pair side by side, or the right one.
+Image half_of(const Image& both, bool is_right);
 
 }  // namespace supple::tools

@@ -33,13 +33,10 @@ class ViewVideo {
   }
 
   void add(OperationPicture& picture, double time_s) {
-    if (m_series.size() == 2) {
-      const Microscope::Pair pair = picture.draw_pair(m_view, time_s);
-      m_series[0]->add(pair.left);
-      m_series[1]->add(pair.right);
-    } else {
-      m_series[0]->add(picture.draw(m_view, time_s));
-    }
+    const Image& image = picture.draw(m_view, time_s);
+    if (m_series.size() == 1) return m_series[0]->add(image);
+    m_series[0]->add(half_of(image, false));
+    m_series[1]->add(half_of(image, true));
   }
 
   std::vector<std::string> files(int length) const {
