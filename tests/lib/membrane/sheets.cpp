@@ -1,6 +1,6 @@
 #include "tests/lib/membrane/sheets.h"
 
-#include <array>
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -136,6 +136,38 @@ std::string fault_of(const MeshBody& body) {
   }
   if (std::vector<LinkNodes>(edges.begin(), edges.end()) != body.links) return "links";
   return "";
+}
+
+std::vector<std::array<double, 9>> rest_triangles(const MeshBody& body) {
+  std::vector<std::array<double, 9>> all;
+  for (const TriangleNodes& t : body.triangles) {
+    std::array<double, 9>& corners = all.emplace_back();
+    for (int n = 0; n < 9; ++n) corners[std::size_t(n)] = body.rest_mm[t[n / 3]][n % 3];
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+int facing_back(const MeshBody& body) {
+  const std::vector<TriangleNodes>& triangles = body.triangles;
+  std::vector<Vec3d> normals;
+  for (const TriangleNodes& t : triangles) {
+    const Vec3d& first = body.pos_mm[t[0]];
+    normals.push_back((body.pos_mm[t[1]] - first).cross(body.pos_mm[t[2]] - first).normalized());
+  }
+  int count = 0;
+  for (std::size_t n = 0; n < triangles.size(); ++n) {
+    Vec3d around(0.0);
+    for (std::size_t other = 0; other < triangles.size(); ++other) {
+      int shared = 0;
+      for (const int a : triangles[n]) {
+        for (const int b : triangles[other]) shared += a == b;
+      }
+      if (shared == 2) around += normals[other];
+    }
+    count += normals[n].length() == 0 || normals[n].dot(around) < 0;
+  }
+  return count;
 }
 
 std::vector<Vec3d> torn_places(const MeshBody& before, const MeshBody& after) {

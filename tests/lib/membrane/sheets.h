@@ -1,7 +1,7 @@
 // Sheets, forceps and judges that tests of membranes share.
 #pragma once
 
-#include <functional>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -31,6 +31,13 @@ std::int64_t count_of(const MembraneReport& report, MembraneEvent::Kind kind);
 /// What makes the membrane's mesh no manifold with boundary, from its triangles alone; empty:
 /// nothing. Looks at sides, fans, links, areas at rest and positions.
 std::string fault_of(const MeshBody& body);
+
+/// Corners at rest of all triangles, ascending: what tears part keeps its shape.
+std::vector<std::array<double, 9>> rest_triangles(const MeshBody& body);
+
+/// Triangles that face against the mean of those beside them or have no area, from triangles and
+/// places alone.
+int facing_back(const MeshBody& body);
 
 /// Ends of edges of one triangle only that had two in a mesh before, by their places at rest.
 std::vector<Vec3d> torn_places(const MeshBody& before, const MeshBody& after);

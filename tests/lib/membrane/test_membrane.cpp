@@ -1,4 +1,5 @@
 // Laws of membranes on their own, under forceps and under blunt tools.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <random>
@@ -203,9 +204,11 @@ TEST(PropertyMembrane, GrippedNodesGoWithTheForcepsUntilTheseOpen) {
     MembraneParams params;
     params.model = model;
     Membrane membrane(small_sheet(), params, {plane_ground()}, "sheet");
-    InstrumentPose open = pose_at({0, 0, 0.02}, 10), closed = open, lifted = open, ajar = open;
+    InstrumentPose open = pose_at({0, 0, 0.02}, 10), closed = open, lifted = open;
     closed.opening_degrees = lifted.opening_degrees = 0;
     lifted.tip_mm += Vec3d(0.1, 0, 0.2);
+    InstrumentPose ajar = lifted, away = lifted;
+    away.opening_degrees = 10;
     MembraneReport report = membrane.step(0.02, motion(forceps, open, closed), {forceps});
     EXPECT_EQ(count_of(report, MembraneEvent::Kind::gripped), 4);
     const std::vector<int> held = membrane.gripped(0);
@@ -219,8 +222,17 @@ TEST(PropertyMembrane, GrippedNodesGoWithTheForcepsUntilTheseOpen) {
     ajar.opening_degrees = 7;  // neither closes nor opens
     EXPECT_TRUE(membrane.step(0.02, motion(forceps, lifted, ajar), {forceps}).events.empty() ||
                 membrane.gripped(0).size() == 4);
-    report = membrane.step(0.02, motion(forceps, ajar, open), {forceps});
+    const Vec3d lifted_mm = membrane.body().pos_mm[held[0]];
+    report = membrane.step(0.02, motion(forceps, ajar, away), {forceps});
     EXPECT_EQ(count_of(report, MembraneEvent::Kind::released), 4);
+    EXPECT_TRUE(membrane.gripped(0).empty());
+    for (int n = 0; n < 20; ++n) membrane.step(0.02, motion(forceps, away, away), {forceps});
+    const double gone_mm = (membrane.body().pos_mm[held[0]] - lifted_mm).length();
+    if (model == MembraneModel::springs) {
+      EXPECT_GT(gone_mm, 0.01);
+    } else {
+      EXPECT_EQ(gone_mm, 0);
+    }
   }
 }
 
@@ -266,6 +278,53 @@ TEST(PropertyMembrane, FastToolsDoNotPassThroughTheSheet) {
     }
     EXPECT_EQ(report.tool_forces_n[0].z > 0, step_mm > 0.2);
   }
+}
+
+TEST(UnitMembrane, ABallThatPressesTheSheetOntoTheGroundPinchesWhatIsUnderIt) {
+  const MembraneParams params;
+  const Instrument tool = ball_tool(0.3);
+  const InstrumentPose from = pose_at({1.2, 1.2, 0.5}, 0);
+  const auto pinched_at = [&](double lowest_mm, const std::vector<Obstacle>& under) {
+    Membrane membrane(small_sheet(), params, under, "sheet");
+    InstrumentPose to = from;
+    to.tip_mm.z = 0.3 + lowest_mm;
+    const MembraneReport report = membrane.step(0.02, motion(tool, from, to), {tool});
+    EXPECT_EQ(report.contacts > 0, lowest_mm < 2 * params.thickness_mm);
+    return report.pinched;
+  };
+  // The ball bends away from four neighbours by 0.076 mm, from four more by 0.2 mm.
+  const double above_mm = 2 * params.thickness_mm;
+  EXPECT_EQ(pinched_at(above_mm + 0.005, {plane_ground()}), 0);
+  EXPECT_EQ(pinched_at(above_mm - 0.005, {plane_ground()}), 1);
+  EXPECT_EQ(pinched_at(above_mm - 0.1, {plane_ground()}), 5);
+  EXPECT_EQ(pinched_at(-0.1, {}), 0);
+}
+
+TEST(UnitMembrane, TrianglesThatTurnOverAreTold) {
+  // A node is led through its neighbours, which cling, within the plane of the sheet.
+  const Instrument forceps = ball_forceps(0.1);
+  MembraneParams params = loose_params();
+  params.adhesion_j_m2 = 5000;
+  params.adhesion_mm = 1;
+  Membrane membrane(small_sheet(), params, {plane_ground()}, "sheet");
+  InstrumentPose pose = pose_at({1.2, 1.2, params.thickness_mm}, 10);
+  int most = 0;
+  for (int n = 0; n < 40; ++n) {
+    InstrumentPose next = pose;
+    next.opening_degrees = 0;
+    next.tip_mm.x += 0.02;
+    const int told = membrane.step(0.02, motion(forceps, pose, next), {forceps}).inverted;
+    pose = next;
+    const MeshBody& body = membrane.body();
+    const auto turned =
+        std::count_if(body.triangles.begin(), body.triangles.end(), [&](const TriangleNodes& t) {
+          const Vec3d& first = body.pos_mm[t[0]];
+          return (body.pos_mm[t[1]] - first).cross(body.pos_mm[t[2]] - first).z <= 0;
+        });
+    EXPECT_EQ(told, int(turned)) << n;
+    most = std::max(most, told);
+  }
+  EXPECT_GT(most, 1);
 }
 
 TEST(PropertyMembrane, NothingEntersTheGroundAndPinchedNodesAreCounted) {

@@ -40,18 +40,21 @@ MembraneReport act(Membrane& membrane, const Instrument& forceps, InstrumentPose
 }  // namespace
 
 TEST(PropertyTearing, AThousandGripsTearsAndReleasesLeaveAManifoldWithBoundary) {
+  // Its triangles keep their shapes at rest, and all that face backwards are told.
   const Instrument forceps = ball_forceps(0.3);
-  std::int64_t torn = 0, lost = 0, gripped = 0, released = 0;
+  std::int64_t torn = 0, lost = 0, gripped = 0, released = 0, inverted = 0;
   for (unsigned seed = 0; seed < 10; ++seed) {
     std::mt19937 random(seed);
     Membrane membrane(flat_sheet(12, 12, 0.2), brittle_params(), {plane_ground()}, "sheet");
     InstrumentPose pose = pose_at({1, 1, 0.02}, 10);
     double clings = membrane.clinging_mm2();
+    std::vector<std::array<double, 9>> triangles = rest_triangles(membrane.body());
     for (int n = 0; n < 100; ++n) {
       const std::int64_t version = membrane.topology_version();
       const MembraneReport report = act(membrane, forceps, pose, random);
       torn += count_of(report, MembraneEvent::Kind::edge_torn);
-      lost += count_of(report, MembraneEvent::Kind::piece_lost);
+      const std::int64_t gone = count_of(report, MembraneEvent::Kind::piece_lost);
+      lost += gone;
       gripped += count_of(report, MembraneEvent::Kind::gripped);
       released += count_of(report, MembraneEvent::Kind::released);
       ASSERT_EQ(fault_of(membrane.body()), "") << seed << " " << n;
@@ -60,8 +63,15 @@ TEST(PropertyTearing, AThousandGripsTearsAndReleasesLeaveAManifoldWithBoundary) 
       EXPECT_LE(membrane.clinging_mm2(), clings + 1e-9);
       clings = membrane.clinging_mm2();
       EXPECT_GE(report.longest_stretch, 1);
+      const auto left = rest_triangles(membrane.body());
+      EXPECT_TRUE(std::includes(triangles.begin(), triangles.end(), left.begin(), left.end()));
+      EXPECT_EQ(std::int64_t(triangles.size()), std::int64_t(left.size()) + gone);
+      triangles = left;
+      EXPECT_EQ(report.inverted, facing_back(membrane.body())) << seed << " " << n;
+      inverted += report.inverted;
     }
   }
+  EXPECT_GT(inverted, 100);
   EXPECT_GT(torn, 100);
   EXPECT_GT(lost, 10);
   EXPECT_GT(gripped, 100);
