@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/contact/friction.h"
 #include "lib/contact/mesh_surface.h"
 #include "volumes/base/error.h"
 
@@ -144,10 +145,7 @@ Vec3d after_friction(const Collider& collider, const Vec3d& normal, double depth
                      const Vec3d& start_mm, double dt_s, const Vec3d& pos_mm) {
   if (collider.friction == 0) return pos_mm;
   const Vec3d moved = pos_mm - start_mm - collider.velocity_mm_s * dt_s;
-  const Vec3d slip = moved - normal * normal.dot(moved);
-  const double length = slip.length();
-  if (length == 0) return pos_mm;
-  return pos_mm - slip * std::min(1.0, collider.friction * depth_mm / length);
+  return pos_mm - slip_taken_back(collider.friction, normal, depth_mm, moved);
 }
 
 std::vector<PressedNode> take_pressure(const std::vector<Collider>& colliders,

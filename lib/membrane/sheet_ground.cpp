@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/contact/friction.h"
+
 namespace supple {
 
 namespace {
@@ -116,10 +118,8 @@ void SheetGround::rub(Sheet& sheet, double friction) const {
     const double push = m_pushes_mm[n].length();
     if (push == 0 || sheet.mobility[n] == 0) continue;
     const Vec3d normal = m_pushes_mm[n] / push;
-    const Vec3d moved = sheet.body.pos_mm[n] - sheet.start_mm[n];
-    const Vec3d slip = moved - normal * normal.dot(moved);
-    const double length = slip.length();
-    if (length > 0) sheet.body.pos_mm[n] -= slip * std::min(1.0, friction * push / length);
+    Vec3d& pos = sheet.body.pos_mm[n];
+    pos -= slip_taken_back(friction, normal, push, pos - sheet.start_mm[n]);
   }
 }
 

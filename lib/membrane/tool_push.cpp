@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lib/contact/friction.h"
+
 namespace supple {
 
 namespace {
@@ -107,12 +109,9 @@ void ToolPush::rub(Sheet& sheet, double friction) {
     const Vec3d normal = near.push_mm / push;
     Vec3d& pos = sheet.body.pos_mm[near.node];
     const Vec3d moved = pos - sheet.start_mm[near.node] - near.motion_mm;
-    const Vec3d slip = moved - normal * normal.dot(moved);
-    const double length = slip.length();
-    if (length == 0) continue;
-    const Vec3d back = slip * -std::min(1.0, friction * push / length);
-    pos += back;
-    near.push_mm += back;
+    const Vec3d back = slip_taken_back(friction, normal, push, moved);
+    pos -= back;
+    near.push_mm -= back;
   }
 }
 
