@@ -260,8 +260,8 @@ void Operation::Impl::move_membranes(const std::vector<ToolMotion>& motions) {
     for (std::size_t tool = 0; tool < report.tool_forces_n.size(); ++tool) {
       sample.instruments[tool].pull_n += report.tool_forces_n[tool].length();
     }
-    sample.membranes[n] = {membrane.name(), clinging_mm2, report.longest_stretch, report.pinched,
-                           report.inverted};
+    sample.membranes[n] = {membrane.name(), clinging_mm2, report.inverted, report.longest_stretch,
+                           report.pinched};
     sample.clinging_mm2 += clinging_mm2;
   }
 }

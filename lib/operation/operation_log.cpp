@@ -65,6 +65,7 @@ Value step_row(const OperationSample& sample) {
   row["membranes"] = Value::Entries();
   for (const MembraneSample& membrane : sample.membranes) {
     row["membranes"][membrane.body] = finite(membrane.clinging_mm2);
+    if (membrane.inverted > 0) row["inverted"][membrane.body] = membrane.inverted;
   }
   return row;
 }
@@ -177,7 +178,8 @@ OperationEvent OperationLogReader::read_event(Table& row) {
 
 OperationSample OperationLogReader::read_step(Table& row) {
   OperationSample sample;
-  row.know({"t", "tools", "turn", "focus", "zoom", "clinging", "vitreous", "membranes"});
+  row.know(
+      {"t", "tools", "turn", "focus", "zoom", "clinging", "vitreous", "membranes", "inverted"});
   sample.time_s = number_of(row, "t");
   if (m_before_s && sample.time_s < *m_before_s) {
     row.fail("t", exact_text(sample.time_s), "no time before " + exact_text(*m_before_s));
@@ -203,6 +205,14 @@ OperationSample OperationLogReader::read_step(Table& row) {
   Table membranes = row.require(row.table("membranes"), "membranes", "a table of areas");
   for (const Value::Entry& entry : membranes.value().entries()) {
     sample.membranes.push_back({entry.key, number_of(membranes, entry.key)});
+  }
+  if (auto inverted = row.table("inverted")) {
+    for (MembraneSample& membrane : sample.membranes) {
+      if (!inverted->has(membrane.body)) continue;
+      membrane.inverted =
+          int(required<long long>(*inverted, membrane.body, "a count of triangles"));
+    }
+    inverted->finish();
   }
   row.finish();
   return sample;

@@ -7,10 +7,10 @@
 // and its row,
 //   {"t": s, "tools": [{"asked": pose, "pose": pose, "force": N}, ...], "turn": [x, y, z] degrees,
 //    "focus": [x, y, z] mm, "zoom": z, "clinging": mm², "vitreous": part, "membranes": {name:
-//    mm²}},
-// with a pose as nine numbers: tip in mm, axis, roll and opening in degrees, activity. The last row
-// is {"steps": count}: a log without it is not whole. Numbers have digits enough to read the same
-// bits.
+//    mm²}, "inverted": {name: triangles}},
+// the last only where a membrane has triangles that face backwards, with a pose as nine numbers:
+// tip in mm, axis, roll and opening in degrees, activity. The last row is {"steps": count}: a log
+// without it is not whole. Numbers have digits enough to read the same bits.
 #pragma once
 
 #include <cstdint>

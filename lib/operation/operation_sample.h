@@ -36,10 +36,10 @@ struct InstrumentSample {
 struct MembraneSample {
   std::string body;
   double clinging_mm2 = 0;
+  int inverted = 0;  // triangles that face against those beside them
   // Not in logs:
   double longest_stretch = 1;  // of an edge, times its length at rest
   int pinched = 0;             // nodes that two things press at once
-  int inverted = 0;            // triangles that face against those beside them
 };
 
 struct OperationSample {

@@ -44,7 +44,7 @@ std::string bits_of(const OperationSample& sample) {
             bits_of(event.place_mm) + bits_of(event.value);
   }
   for (const MembraneSample& membrane : sample.membranes) {
-    bits += membrane.body + bits_of(membrane.clinging_mm2);
+    bits += membrane.body + bits_of(membrane.clinging_mm2) + std::to_string(membrane.inverted);
   }
   return bits;
 }
@@ -92,7 +92,8 @@ OperationSample random_sample(std::mt19937_64& random, double time_s) {
   sample.zoom = random_number(random);
   sample.clinging_mm2 = random_number(random);
   sample.vitreous_left = random_number(random);
-  sample.membranes = {{"ilm", random_number(random)}, {"erm", random_number(random)}};
+  sample.membranes = {{"ilm", random_number(random), int(random() % 3)},
+                      {"erm", random_number(random)}};
   return sample;
 }
 
@@ -243,6 +244,9 @@ TEST(FaultOperationLog, DamageIsToldWithFileAndLine) {
   EXPECT_EQ(damaged("\"operation_log\":1", "\"operation_log\":2"),
             ":1: operation_log: found 2, expected the first row of a log of an operation, version "
             "1");
+  EXPECT_EQ(damaged("\"membranes\":{}", "\"membranes\":{},\"inverted\":{\"sheet\":2}")
+                .substr(0, 20),
+            ":5: inverted.sheet: ");
   EXPECT_EQ(damaged("\"instruments\":[\"needle\"]", "\"instruments\":[\"needle\",\"pick\"]"),
             ":2: tools: found 1 instrument, expected 2 instruments");
 }

@@ -32,6 +32,16 @@ void print_score(const Value& score) {
   }
 }
 
+/// Membranes of which triangles turned over, as what is told of them then is worth less.
+void print_inverted(const Value& membranes) {
+  for (const auto& [name, one] : membranes.entries()) {
+    const int most = int(one["most_inverted_triangles"].number());
+    if (most == 0) continue;
+    std::printf("%-12s %d of its triangles faced backwards at once, %d at the end\n", name.c_str(),
+                most, int(one["inverted_triangles"].number()));
+  }
+}
+
 void print_report(const Value& report) {
   std::printf("%d steps, %.2f s of operation in %.2f s, load %.1f\n", int(report["steps"].number()),
               report["time_s"].number(), report["wall_s"].number(), report["load"].number());
@@ -45,6 +55,7 @@ void print_report(const Value& report) {
   std::printf("memory       %.0f MB at a tenth, %.0f at half, %.0f at the end\n",
               memory["at_a_tenth"].number(), memory["at_half"].number(),
               memory["at_the_end"].number());
+  print_inverted(report["membranes"]);
   print_score(report["score"]);
   std::printf("state        %s\n", report["digest"].text().c_str());
 }

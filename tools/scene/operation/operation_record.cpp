@@ -1,5 +1,6 @@
 #include "tools/scene/operation/operation_record.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <map>
@@ -79,13 +80,26 @@ struct OperationRecord::Impl {
   OperationPlan plan;
   ScoreKeeper keeper;
   std::optional<OperationLog> log;
-  std::vector<std::vector<TrackKey>> asked;  // per instrument, where tracks are written
-  std::map<std::string, int> events;         // by kind
+  std::vector<std::vector<TrackKey>> asked;   // per instrument, where tracks are written
+  std::map<std::string, int> events;          // by kind
+  std::vector<MembraneSample> extremes, now;  // of membranes
   double time_s = 0;
 
   Impl(const OperationScene& given)
       : scene(given), plan(plan_of(given)), keeper(plan), asked(given.setup.tools.size()) {}
+  void take_membranes(const std::vector<MembraneSample>& membranes);
 };
+
+void OperationRecord::Impl::take_membranes(const std::vector<MembraneSample>& membranes) {
+  now = membranes;
+  extremes.resize(now.size());
+  for (std::size_t n = 0; n < now.size(); ++n) {
+    MembraneSample& most = extremes[n];
+    most.longest_stretch = std::max(most.longest_stretch, now[n].longest_stretch);
+    most.pinched = std::max(most.pinched, now[n].pinched);
+    most.inverted = std::max(most.inverted, now[n].inverted);
+  }
+}
 
 OperationRecord::OperationRecord(const OperationScene& scene, const Operation& operation)
     : m_impl(std::make_unique<Impl>(scene)) {
@@ -121,6 +135,7 @@ void OperationRecord::take(const Operation& operation, const std::vector<Instrum
   }
   for (const OperationEvent& event : in.keeper.take(sample)) sample.events.push_back(event);
   for (const OperationEvent& event : sample.events) ++in.events[event.kind];
+  in.take_membranes(sample.membranes);
   if (in.log) in.log->add(sample);
   if (in.scene.output.tracks.empty()) return;
   for (std::size_t n = 0; n < asked.size(); ++n) in.asked[n].push_back({sample.time_s, asked[n]});
@@ -163,7 +178,16 @@ const ScoreKeeper& OperationRecord::keeper() const {
 Value OperationRecord::report() const {
   Value events = Value::Entries();
   for (const auto& [kind, count] : m_impl->events) events[kind] = count;
-  return {{"events", events}, {"score", to_value(m_impl->keeper.score())}};
+  Value membranes = Value::Entries();
+  for (std::size_t n = 0; n < m_impl->now.size(); ++n) {
+    const MembraneSample &most = m_impl->extremes[n], &now = m_impl->now[n];
+    membranes[now.body] = {{"longest_stretch", most.longest_stretch},
+                           {"most_pinched_nodes", most.pinched},
+                           {"most_inverted_triangles", most.inverted},
+                           {"inverted_triangles", now.inverted}};
+  }
+  return {
+      {"events", events}, {"membranes", membranes}, {"score", to_value(m_impl->keeper.score())}};
 }
 
 }  // namespace supple::tools

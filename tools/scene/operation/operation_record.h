@@ -34,7 +34,7 @@ class OperationRecord {
   /// Targets of tasks as pictures show them.
   std::vector<TaskBall> balls() const;
   const ScoreKeeper& keeper() const;
-  /// Tasks, scores, and how often each kind of event was.
+  /// Tasks, scores, how often each kind of event was, and the extremes of membranes.
   Value report() const;
 
  private:

@@ -119,6 +119,38 @@ TEST_F(UnitOperationRun, ItsLogReplaysToTheSameScore) {
   EXPECT_EQ(told.out, text_of_file(m_folder / "out/score.json"));
 }
 
+TEST_F(UnitOperationRun, TrianglesThatTurnOverAreToldInLogReportAndText) {
+  // Forceps turn twice with the fold that they hold.
+  std::string scene = kOperation;
+  for (const auto& [from, to] : {std::pair("nodes = 60", "nodes = 1500"),
+                                 {"kind = \"needle\"", "kind = \"forceps\""},
+                                 {"hand = { tremor = 0.05, seed = 3 }\n", ""},
+                                 {"tip = [1, 0, -9] }", "tip = [1, 0, -9], opening = 20 }"},
+                                 {"{ time = 1, tip = [-1, 0, -10.9] }",
+                                  "{ time = 0.3, tip = [0, 0, -10.9], opening = 20 },"
+                                  "{ time = 0.5, tip = [0, 0, -10.9] },"
+                                  "{ time = 1, tip = [0.3, 0, -10.7], roll = 720 }"},
+                                 {"image = \"end.png\"\nvideo = \"all_%02d.png\"\n", ""}}) {
+    scene = replaced(scene, from, to);
+  }
+  const Outcome told = run(scene, {"--json"});
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  const auto membrane = nlohmann::json::parse(told.out)["membranes"]["membrane"];
+  OperationLogReader log(m_folder / "out/log.jsonl");
+  int most = 0, last = 0;
+  while (const auto step = log.next()) {
+    last = step->membranes.at(0).inverted;
+    most = std::max(most, last);
+  }
+  EXPECT_GT(most, 0);
+  EXPECT_EQ(membrane["most_inverted_triangles"], most);
+  EXPECT_EQ(membrane["inverted_triangles"], last);
+  EXPECT_GT(membrane["longest_stretch"], 1);
+  EXPECT_NE(run(scene, {"--force"})
+                .out.find("membrane     " + std::to_string(most) + " of its triangles faced back"),
+            std::string::npos);
+}
+
 TEST_F(FaultOperationRun, ALogThatIsCutOffTellsNoScore) {
   ASSERT_EQ(run(kOperation).exit_code, 0);
   const std::string whole = text_of_file(m_folder / "out/log.jsonl");
