@@ -130,6 +130,15 @@ void OneSidedPush::note_changes(std::size_t c) {
   own.undo.clear();
 }
 
+void OneSidedPush::set_adrift(const SlotSet& elements) {
+  for (Coordinate& own : m_coordinates) {
+    elements.for_each([&](Slot slot) {
+      own.least.set(slot, -kNowhere);
+      own.most.set(slot, kNowhere);
+    });
+  }
+}
+
 std::vector<SlotSet::Brick> OneSidedPush::changes() const {
   std::vector<SlotSet::Brick> list;
   for (std::size_t b = 0; b < m_body.elements.brick_count(); ++b) {

@@ -28,12 +28,15 @@ struct OneSidedAsks {
 class OneSidedPush {
  public:
   /// Refers to the body, whose links hold and whose elements must not change. Links may be cut: the
-  /// anchors then bound what they held before as they did.
+  /// anchors then bound what they held before as they did, until it is set adrift.
   OneSidedPush(Body& body, const SlotSet& anchors);
 
   /// Moves the body; asks that anchors do not allow are shortened. Returns the bricks in which
   /// offsets may have changed, ascending.
   std::vector<std::size_t> push(OneSidedAsks asks);
+
+  /// Takes bounds from all elements of pieces that have lost their anchors.
+  void set_adrift(const SlotSet& elements);
 
   /// Bricks in which offsets have changed since clear_changes(), ascending, and their elements.
   std::vector<SlotSet::Brick> changes() const;

@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "lib/instruments/round_cone.h"
+#include "lib/operation/anchored_elements.h"
 #include "lib/operation/one_sided_push.h"
 #include "volumes/base/parallel.h"
+#include "volumes/grid/mask_steps.h"
 
 namespace supple {
 
@@ -67,7 +69,7 @@ struct ConeBox {
 }  // namespace
 
 struct PushedBody::Impl {
-  Impl(Body& given, const SlotSet& held);
+  Impl(Body& given, const SlotSet& fixed);
 
   Vec3d index_of(std::size_t b, int offset) const;
   Vec3d place_mm(std::size_t b, int offset) const {
@@ -80,12 +82,15 @@ struct PushedBody::Impl {
   std::vector<Entered> entered(const std::vector<RoundCone>& cones) const;
   void push_out(const std::vector<Entered>& list);
   void cut_links(Slot slot);
+  void find_adrift();
   void find_ball(std::size_t b);
 
   Body& body;
   double spacing_mm;  // the least
   OneSidedPush pusher;
-  std::vector<BrickMask> left;  // per brick of the elements
+  SlotSet held;
+  std::vector<BrickMask> left;    // per brick of the elements
+  std::vector<BrickMask> adrift;  // of those that are left, when something was removed
   /// Ball around all elements that are left in a brick.
   struct Ball {
     Vec3d middle_mm;
@@ -95,7 +100,8 @@ struct PushedBody::Impl {
   std::vector<SlotSet::Brick> moved;
 };
 
-PushedBody::Impl::Impl(Body& given, const SlotSet& held) : body(given), pusher(given, held) {
+PushedBody::Impl::Impl(Body& given, const SlotSet& fixed)
+    : body(given), pusher(given, fixed), held(fixed) {
   const Vec3d spacing = body.geometry.spacing_mm();
   spacing_mm = std::min({spacing.x, spacing.y, spacing.z});
   const BrickTopology& elements = body.elements;
@@ -164,7 +170,7 @@ std::vector<Entered> PushedBody::Impl::entered(const std::vector<RoundCone>& con
     for_each_active(left[b], [&](int offset) {
       const Vec3d place = place_mm(b, offset);
       double deepest = kSkinVoxels * spacing_mm;
-      Vec3d normal;
+      Vec3d normal(0.0);
       bool is_in = false;
       for (const RoundCone& cone : of_brick) {
         if (is_clear_of(place, cone)) continue;
@@ -209,6 +215,22 @@ void PushedBody::Impl::cut_links(Slot slot) {
       body.cuts.cut(other / kBrickVoxels, int(other % kBrickVoxels), axis);
     }
   }
+}
+
+/// Looks for pieces that have lost their anchors.
+void PushedBody::Impl::find_adrift() {
+  const std::vector<BrickMask> anchored = anchored_elements(body.elements, body.cuts, left, held);
+  adrift.resize(left.size());
+  std::vector<SlotSet::Brick> lost;
+  for (std::size_t b = 0; b < left.size(); ++b) {
+    BrickMask now = left[b];
+    take_out(anchored[b], now);
+    BrickMask more = now;
+    take_out(adrift[b], more);
+    if (more != BrickMask{}) lost.push_back({std::uint32_t(b), more});
+    adrift[b] = now;
+  }
+  pusher.set_adrift(SlotSet(std::move(lost)));
 }
 
 PushedBody::PushedBody(Body& body, const SlotSet& held)
@@ -267,11 +289,18 @@ std::vector<Slot> PushedBody::remove(
     impl.find_ball(b);
   }
   for (const Slot slot : removed) impl.cut_links(slot);
+  if (!removed.empty()) impl.find_adrift();
   return removed;
 }
 
 const std::vector<BrickMask>& PushedBody::left() const {
   return m_impl->left;
+}
+
+std::int64_t PushedBody::adrift() const {
+  std::int64_t count = 0;
+  for (const BrickMask& mask : m_impl->adrift) count += mask_count(mask);
+  return count;
 }
 
 std::string PushedBody::state_bytes() const {

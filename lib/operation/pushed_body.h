@@ -39,11 +39,14 @@ class PushedBody {
   const std::vector<SlotSet::Brick>& moved() const;
 
   /// Removes the elements within the cones that are asked for by their places, and cuts their
-  /// links. Returns them, ascending.
+  /// links; pieces that no link joins to held elements then go where tools push them. Returns what
+  /// was removed, ascending.
   std::vector<Slot> remove(const std::vector<RoundCone>& cones,
                            const std::function<bool(const Vec3d& place_mm)>& is_asked_for);
   /// Elements that are left, per brick.
   const std::vector<BrickMask>& left() const;
+  /// Elements of pieces that are adrift.
+  std::int64_t adrift() const;
   /// Bytes by which two states differ.
   std::string state_bytes() const;
 

@@ -91,6 +91,65 @@ TEST(PropertyPushedBody, HeldElementsOfABodyThatHasMovedStayWhereTheyAre) {
   EXPECT_EQ(check_links(body).violated, 0);
 }
 
+/// A block of 4 x 4 x 4 elements above a floor that is held, and nothing else but a thread between
+/// the two where that is wanted.
+class Island {
+ public:
+  explicit Island(bool has_thread) : m_body(soft_lattice()), m_pushed(m_body, held()) {
+    const Vec3d middle(7, 8, 10);
+    m_pushed.remove({{middle, middle, 100, 100}}, [&](const Vec3d& place_mm) {
+      const Vec3d at = m_body.geometry.index_from_world(place_mm);
+      const Vec3i voxel(int(std::lround(at.x)), int(std::lround(at.y)), int(std::lround(at.z)));
+      const bool is_thread = voxel.x == 6 && voxel.y == 6 && voxel.z < 7;
+      return voxel.z > 1 && !block().contains(voxel) && !(has_thread && is_thread);
+    });
+  }
+  static IndexBox block() { return {{5, 5, 6}, {8, 8, 9}}; }
+  PushedBody& pushed() { return m_pushed; }
+  const Body& body() const { return m_body; }
+
+  /// Pushes the block by a ball 12 mm along x; true where something was left in the ball.
+  bool push() {
+    bool is_stopped = false;
+    for (double x = -2; x < 10; x += 0.5) {
+      is_stopped |=
+          m_pushed.push({ball_that_goes({x, 7.8, 11.2}, {x + 0.5, 7.8, 11.2}, 4)}).stopped;
+    }
+    return is_stopped;
+  }
+  /// The least way along x of the elements in a box, in voxels.
+  double least_way(const IndexBox& box) const {
+    double least = HUGE_VAL;
+    slots_in_box(m_body.elements, box).for_each([&](Slot slot) {
+      least = std::min(least, m_body.q[0].at(slot) / kFixedOne);
+    });
+    return least;
+  }
+
+ private:
+  SlotSet held() const { return slots_in_box(m_body.elements, {{0, 0, 0}, {13, 13, 0}}); }
+
+  Body m_body;
+  PushedBody m_pushed;
+};
+
+TEST(PropertyPushedBody, APieceThatIsCutOffFromItsAnchorsGoesWhereToolsPushIt) {
+  Island island(false);
+  EXPECT_EQ(island.pushed().adrift(), 64);
+  EXPECT_FALSE(island.push());
+  EXPECT_GT(island.least_way(Island::block()), 6);
+  EXPECT_EQ(check_links(island.body()).violated, 0);
+  EXPECT_EQ(island.least_way({{0, 0, 0}, {13, 13, 1}}), 0);
+}
+
+TEST(PropertyPushedBody, APieceThatAThreadHoldsStaysByIt) {
+  Island island(true);
+  EXPECT_EQ(island.pushed().adrift(), 0);
+  EXPECT_TRUE(island.push());
+  EXPECT_LT(island.least_way(Island::block()), 3);
+  EXPECT_EQ(check_links(island.body()).violated, 0);
+}
+
 TEST(PropertyVoxelSolid, DistancesFromABallOfVoxelsAreThoseOfTheBallWithinAVoxel) {
   const Geometry geometry({40, 40, 40}, {3, -2, 1},
                           {Vec3d(0.8, 0, 0), Vec3d(0, -1, 0), Vec3d(0, 0, 1)});
