@@ -99,18 +99,25 @@ TEST(UnitMembrane, SheetsOnSpheresHaveNearlyEqualTrianglesAndARoundRim) {
   EXPECT_EQ(fault_of(membrane.body()), "");
   EXPECT_GE(sheet.vertices_lps_mm.size(), 1500u);
   EXPECT_LT(sheet.vertices_lps_mm.size(), 1600u);
-  const double mean = std::sqrt(kPi * 25 / 1519 / std::sqrt(0.75));  // edge of regular triangles
+  const auto length_of = [&](const LinkNodes& edge) {
+    return (sheet.vertices_lps_mm[edge[1]] - sheet.vertices_lps_mm[edge[0]]).length();
+  };
+  double mean = 0;
+  for (const LinkNodes& link : membrane.body().links) mean += length_of(link);
+  mean /= double(membrane.body().links.size());
   for (const LinkNodes& link : membrane.body().links) {
-    const double length =
-        (sheet.vertices_lps_mm[link[1]] - sheet.vertices_lps_mm[link[0]]).length();
-    EXPECT_NEAR(length, mean, 0.36 * mean);
+    EXPECT_GT(length_of(link), 0.88 * mean);
+    EXPECT_LT(length_of(link), 1.28 * mean);
   }
+  const double cap_mm2 = 2 * kPi * 144 * (1 - std::cos(5.0 / 12));
+  const double mean_mm2 = cap_mm2 / double(sheet.triangles.size());
   for (const TriangleNodes& t : sheet.triangles) {
     const Vec3d &a = sheet.vertices_lps_mm[t[0]], &b = sheet.vertices_lps_mm[t[1]];
     EXPECT_NEAR((a - Vec3d(1, 2, 3)).length(), 12, 1e-9);
     const Vec3d& c = sheet.vertices_lps_mm[t[2]];
     const Vec3d normal = (b - a).cross(c - a);
     EXPECT_GT(normal.dot(Vec3d(1, 2, 3) - a), 0);
+    EXPECT_NEAR(0.5 * normal.length(), mean_mm2, 0.19 * mean_mm2);
     const double sides[] = {(b - a).length(), (c - b).length(), (a - c).length()};
     for (int n = 0; n < 3; ++n) {
       // The sine of a corner, none of which is blunt here.
@@ -128,6 +135,7 @@ TEST(UnitMembrane, SheetsOnSpheresHaveNearlyEqualTrianglesAndARoundRim) {
   }
   for (const auto& [edge, count] : beside) {
     if (count != 1) continue;
+    EXPECT_NEAR(length_of(edge), 2 * 12 * std::sin(5.0 / 12) * std::sin(kPi / (6 * 22)), 1e-9);
     for (const int node : edge) {
       const Vec3d from = sheet.vertices_lps_mm[node] - Vec3d(1, 2, 3);
       EXPECT_NEAR(std::atan2(from.cross(middle).length(), from.dot(middle)), 5.0 / 12, 1e-9);
