@@ -88,7 +88,7 @@ OperationPicture::OperationPicture(const OperationScene& scene, const Operation&
     surface.shininess = 60;
     surface.casts_shadow = false;
     surface.dims = 1 - 0.5 * look.opacity;
-    m_soft.push_back(m_microscope.add_soft(surface));
+    m_soft.push_back({m_microscope.add_soft(surface)});
   }
   if (const Vitreous* vitreous = operation.vitreous()) m_haze = std::make_unique<Haze>(*vitreous);
   follow(operation, {});
@@ -132,6 +132,19 @@ LampLight OperationPicture::lamp_of(const Operation& operation) const {
   return light;
 }
 
+void OperationPicture::follow_membranes(const Operation& operation) {
+  for (std::size_t n = 0; n < m_soft.size(); ++n) {
+    const Membrane& membrane = operation.membranes()[n];
+    const MeshBody& body = membrane.body();
+    Soft& soft = m_soft[n];
+    if (soft.topology_version == membrane.topology_version() && soft.pos_mm == body.pos_mm)
+      continue;
+    soft.topology_version = membrane.topology_version();
+    soft.pos_mm = body.pos_mm;
+    m_microscope.reshape(soft.shape, body.pos_mm, body.triangles);
+  }
+}
+
 void OperationPicture::follow_vitreous(const Vitreous& vitreous) {
   const Body& body = vitreous.body();
   std::vector<HazeElements> bricks;
@@ -153,10 +166,6 @@ void OperationPicture::follow(const Operation& operation, const std::vector<Task
                        placement_of(jaw_frame(operation.instruments()[n],
                                               operation.sample().instruments[n].pose, placed.jaw)));
   }
-  for (std::size_t n = 0; n < m_soft.size(); ++n) {
-    const MeshBody& body = operation.membranes()[n].body();
-    m_microscope.reshape(m_soft[n], body.pos_mm, body.triangles);
-  }
   std::vector<BloodSpot> spots;
   for (const Bleeding& spot : operation.bleedings()) {
     spots.push_back({spot.place_mm.normalized(), spot.radius_mm});
@@ -165,6 +174,7 @@ void OperationPicture::follow(const Operation& operation, const std::vector<Task
   m_microscope.set_balls(balls);
   const LampLight lamp = lamp_of(operation);
   m_microscope.set_lamp(lamp);
+  follow_membranes(operation);
   if (!m_haze) return;
   m_haze->layer.set_light(lamp);
   follow_vitreous(*operation.vitreous());

@@ -34,6 +34,7 @@ class OperationPicture {
   void add_instruments(const Operation& operation);
   void add_iris(const EyeSetup& eye);
   LampLight lamp_of(const Operation& operation) const;
+  void follow_membranes(const Operation& operation);
   void follow_vitreous(const Vitreous& vitreous);
   HazeLayer* layer();
 
@@ -41,7 +42,13 @@ class OperationPicture {
   Microscope m_microscope;
   Image m_image;
   std::vector<Placed> m_placed;
-  std::vector<int> m_soft;  // per membrane
+  /// A membrane as the picture has it.
+  struct Soft {
+    int shape;
+    std::int64_t topology_version = -1;
+    std::vector<Vec3d> pos_mm = {};
+  };
+  std::vector<Soft> m_soft;
   struct Haze;
   std::unique_ptr<Haze> m_haze;  // of the vitreous, where there is one
   EyeTurn m_turn;
