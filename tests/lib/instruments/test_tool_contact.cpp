@@ -162,6 +162,26 @@ TEST(PropertyToolContact, NoInstrumentEntersBallsAndPlanesInRandomMotions) {
   EXPECT_GT(touches, cases(1000));
 }
 
+TEST(PropertyToolContact, NoInstrumentEntersAMeshInRandomMotions) {
+  std::mt19937 random(14);
+  const std::vector<Obstacle> block = {{"block", mesh_of(plate({0, 0, -2}, {3, 2.5, 1}))}};
+  double deepest = 0;
+  int touches = 0;
+  for (const InstrumentKind kind : kInstrumentKinds) {
+    const Instrument tool = instrument_of(kind);
+    InstrumentPose pose = free_pose(random, tool, block);
+    for (int n = 0; n < cases(500); ++n) {
+      const StoppedTool stopped = lead(tool, pose, next_asked(random, pose, 3.5), block);
+      pose = stopped.pose;
+      touches += stopped.touches.empty() ? 0 : 1;
+      deepest = std::min(deepest, least_room(tool, pose, block));
+      if (n % 16 == 0) deepest = std::min(deepest, brute_room(tool, pose, block));
+    }
+  }
+  EXPECT_GE(deepest, -1e-6);
+  EXPECT_GT(touches, cases(200));
+}
+
 TEST(PropertyToolContact, NothingTunnelsThroughAThinPlateAtTenTimesTheSpeed) {
   std::mt19937 random(13);
   const std::vector<Obstacle> wall = {{"plate", mesh_of(plate({0, 0, 0}, {40, 40, 0.01}))}};
