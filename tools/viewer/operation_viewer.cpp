@@ -131,6 +131,7 @@ OperationViewer::Work OperationViewer::instrument_work(Table table) {
     } else {
       m_live.ask(instrument, wish);
     }
+    m_loop.tell_hand();
     return Value(true);
   };
 }
@@ -199,18 +200,21 @@ void OperationViewer::tell_status(bool at_once) {
   if (m_loop.is_paused()) status["digest"] = m_live.operation().digest();
   status["ms"] = {{"step", times(m_loop.step_times())},
                   {"picture", times(m_loop.picture_times())},
+                  {"encoding", times(m_encodings)},
                   {"latency", times(m_latencies)}};
   status["dropped_s"] = m_loop.dropped_s();
   m_pages.tell_all(Pages::text_of({{"status", status}}));
 }
 
-void OperationViewer::pictured(const Image& image) {
+void OperationViewer::pictured(const Image& image, const PixelSize& size) {
   FrameMessage frame;
   frame.stamp = m_pages.next_stamp();
   frame.number = m_done;
-  frame.width = image.width;
-  frame.height = image.height;
+  frame.width = size[0];
+  frame.height = size[1];
+  const Stopwatch encoding;
   frame.picture = jpeg_of(image);
+  m_encodings.add(encoding.ms());
   for (const Clock::time_point& came : m_unpictured) {
     frame.ms = std::max(frame.ms, ms_since(came));
     m_latencies.add(ms_since(came));

@@ -41,7 +41,7 @@ class OperationViewer final : public PageSession, private OperationListener {
 
   void run();
   void stepped(const OperationSample& sample) override;
-  void pictured(const Image& image) override;
+  void pictured(const Image& image, const PixelSize& size) override;
   Work work_of(const PageMessage& message);
   Work instrument_work(Table table);
   Work view_work(Table table);
@@ -62,7 +62,7 @@ class OperationViewer final : public PageSession, private OperationListener {
   // Of the loop's thread.
   std::uint64_t m_done = 0;                     // number of the last message
   std::vector<Clock::time_point> m_unpictured;  // arrivals of what no picture shows
-  RecentTimes m_latencies;
+  RecentTimes m_encodings, m_latencies;
   Clock::time_point m_told;
 
   std::atomic<bool> m_ends{false}, m_has_ended{false};

@@ -79,7 +79,7 @@ class OperationApp {
   }
   letGo() {
     if (!this.hand) return;
-    this.hand.hold(false);
+    this.hand.end();
     this.session.follow(this.hand.name);
     this.say(`${this.hand.name} follows its track`);
     this.forget();
@@ -219,11 +219,5 @@ Object.defineProperty(window, 'supple', {value: Object.freeze({
   get decoding() { return app.picture.decoding; },
   /// Where a place is in the picture, in its pixels.
   place: (mm) => pixelOf(app.picture.camera, mm, app.picture.size.size),
-  /// Milliseconds from input to the screen: percentiles and count since the last `clear`.
-  latency(clear = false) {
-    const {latencies} = app.session;
-    const all = {count: latencies.ms.length, median: latencies.percentile(0.5), p95: latencies.percentile(0.95), max: latencies.percentile(1)};
-    if (clear) latencies.ms = [];
-    return all;
-  },
+  latency: (clear) => app.session.latency(clear),
 })});

@@ -66,12 +66,14 @@ class Listener final : public OperationListener {
     times_s.push_back(sample.time_s);
     ++steps;
   }
-  void pictured(const Image&) override {
+  void pictured(const Image& image, const PixelSize& size) override {
+    EXPECT_EQ(size, (PixelSize{64, 48}));
+    width = image.width;
     ++pictures;
     std::this_thread::sleep_for(sleep);
   }
   std::vector<double> times_s;
-  std::atomic<int> steps{0}, pictures{0};
+  std::atomic<int> steps{0}, pictures{0}, width{0};
   std::chrono::milliseconds sleep{0};
 };
 
@@ -211,4 +213,68 @@ TEST(UnitOperationLoopPause, TimeStandsStillAndPicturesFollowWhatIsAskedFor) {
   thread.join();
   EXPECT_EQ(live.steps(), 0);
   EXPECT_EQ(listener.pictures, 2) << "nobody looks";
+}
+
+TEST(UnitOperationLoopHand,
+     PicturesAreSmallerWhileAHandMovesAndWholeWhereItRestsOrTheyAreSoonEnough) {
+  for (const double led_picture_ms : {1e-9, 1e9}) {
+    LiveOperation live(small_eye());
+    Listener listener;
+    OperationLoop loop(live, listener, led_picture_ms);
+    loop.pause(true);
+    std::thread thread([&] { loop.run(); });
+    const auto width_becomes = [&](int width, bool is_led) {
+      for (int n = 0; n < 1000 && listener.width != width; ++n) {
+        if (is_led) loop.post([&loop] { loop.tell_hand(); });
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      }
+      return listener.width == width;
+    };
+    EXPECT_TRUE(width_becomes(64, false));
+    if (led_picture_ms < 1) {
+      EXPECT_TRUE(width_becomes(24, true));
+      EXPECT_TRUE(width_becomes(64, false));
+    } else {
+      for (int n = 0; n < 20; ++n) EXPECT_TRUE(width_becomes(64, true));
+    }
+    loop.end();
+    thread.join();
+  }
+}
+
+TEST(UnitOperationLoopHand, StepsAreAtMostHalfOfOneEarly) {
+  LiveOperation live(Table::parse(R"(
+[operation]
+step = 0.1
+frames_per_second = 10
+[[instrument]]
+name = "needle"
+kind = "needle"
+way  = [{ time = 0, tip = [0, 0, 0], axis = [0, 0, 1] }]
+[[view]]
+size = [64, 48]
+)",
+                                  "needle.toml"));
+  Listener listener;
+  OperationLoop loop(live, listener);
+  std::atomic<bool> ends{false};
+  const auto begin = std::chrono::steady_clock::now();
+  std::thread thread([&] { loop.run(); });
+  std::thread hand([&] {
+    while (!ends) {
+      loop.post([&loop] { loop.tell_hand(); });
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  const double step_s = live.scene().setup.step_s;
+  while (listener.steps < 8) {
+    const int steps = listener.steps;
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+    EXPECT_LE(steps, passed.count() / step_s + 1.5);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ends = true;
+  hand.join();
+  loop.end();
+  thread.join();
 }

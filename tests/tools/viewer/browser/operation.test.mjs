@@ -183,12 +183,13 @@ step('from mouse to picture', async (t) => {
     await lead(-6, 0, 12, 16);
   }
   await pass();
-  const {count, median, p95, max} = await get('latency(true)');
+  const {count, median, p95, max, parts} = await get('latency(true)');
   assert.ok(count > 30, `${count} moves were seen`);
   const {ms} = await get('status');
   t.diagnostic(`${count} moves, seen after ${Math.round(median)} ms, 95 % within ${Math.round(p95)} ms, all within ${Math.round(max)} ms; ` +
                `step ${ms.step.median.toFixed(1)} / ${ms.step.p95.toFixed(1)} ms, picture ${ms.picture.median.toFixed(1)} / ${ms.picture.p95.toFixed(1)} ms, ` +
                `in the server ${ms.latency.median.toFixed(0)} / ${ms.latency.p95.toFixed(0)} ms; load ${loadavg()[0].toFixed(1)}`);
+  t.diagnostic(Object.entries(parts).map(([part, ms]) => `${part} ${ms.median.toFixed(1)} / ${ms.p95.toFixed(1)} ms`).join(', '));
 });
 
 step('keys choose, move, roll, zoom and pause; a lamp is switched', async () => {

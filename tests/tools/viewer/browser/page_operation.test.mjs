@@ -7,6 +7,7 @@ import {pixelOf} from '../../../../tools/viewer/page/camera.js';
 import {Hand, deeper, shifted} from '../../../../tools/viewer/page/operation/hand.js';
 import {bindingOf, kOperationKeys} from '../../../../tools/viewer/page/operation/operation_keys.js';
 import {OperationSession} from '../../../../tools/viewer/page/operation/operation_session.js';
+import {Trips} from '../../../../tools/viewer/page/operation/trips.js';
 import {cross, distance, minus} from '../../../../tools/viewer/page/vectors.js';
 
 /// Numbers in [0, 1) that are the same in every run (Park and Miller 1988).
@@ -77,6 +78,34 @@ test('every key means one thing, and Shift makes moves larger only', () => {
   assert.equal(of('P', {shiftKey: true}), undefined);
   assert.equal(of('s', {ctrlKey: true}), 'save');
   assert.equal(of('p', {ctrlKey: true}), undefined);
+});
+
+test('of many moves few are sent, the newest is, and none after the hand has let go', async () => {
+  const sent = [];
+  const hand = new Hand(kNeedle, {tip: [0, 0, 0]}, ({tip}) => sent.push(tip[0]));
+  for (let n = 1; n <= 1000; ++n) hand.moveTo([n, 0, 0]);
+  assert.equal(sent[0], 1, 'the first one at once');
+  await until('the newest is sent', () => sent.at(-1) === 1000);
+  assert.ok(sent.length < 100, `${sent.length} moves were sent`);
+  hand.moveTo([1001, 0, 0]);
+  hand.moveTo([1002, 0, 0]);
+  hand.end();
+  const {length} = sent;
+  await new Promise((resolve) => setTimeout(resolve, 50));
+  assert.equal(sent.length, length);
+});
+
+test('the parts of a trip are its whole time, of the oldest input of a picture', () => {
+  const trips = new Trips();
+  trips.sent(1, 100, 102);
+  trips.sent(2, 110, 111);
+  trips.sent(3, 120, 121);
+  trips.shown({event: 2, serverMs: 30, came: 134, decoded: 140}, 150);
+  assert.deepEqual(trips.ms, {page: [2], server: [30], way: [2], decoding: [6], screen: [10]});
+  trips.shown({event: 2, serverMs: 1, came: 160, decoded: 161}, 162);
+  assert.equal(trips.ms.page.length, 1, 'a picture without an input of its own');
+  trips.shown({event: 3, serverMs: 30, came: 160, decoded: 161}, 170);
+  assert.equal(Object.values(trips.ms).reduce((sum, ms) => sum + ms.at(-1), 0), 170 - 120);
 });
 
 test('a session keeps what it is told, and only the newest picture is shown', () => {

@@ -6,6 +6,7 @@ import {add, dot, minus, times} from '../vectors.js';
 
 const kOpenDegrees = 30;  // of jaws that the scene begins with closed ones
 const kClosingMs = 120, kClosingSteps = 6;
+const kMoveEveryMs = 8;  // a mouse may tell of a thousand moves a second
 
 /// What a pixel is at the depth of a place, in mm.
 export function mmPerPixel(camera, place, size) {
@@ -36,9 +37,23 @@ export class Hand {
     this.opened = instrument.start.opening || kOpenDegrees;
   }
 
+  /// The newest place is sent at once, or as soon as the last one is long enough ago.
   moveTo(tip) {
     this.pose.tip = tip;
-    this.send({tip});
+    const waitMs = kMoveEveryMs - (performance.now() - (this.movedAt ?? -Infinity));
+    if (waitMs <= 0) this.sendTip();
+    else this.moveTimer ??= setTimeout(() => this.sendTip(), waitMs);
+  }
+  sendTip() {
+    clearTimeout(this.moveTimer);
+    this.moveTimer = null;
+    this.movedAt = performance.now();
+    this.send({tip: this.pose.tip});
+  }
+  /// Nothing more is sent.
+  end() {
+    clearTimeout(this.moveTimer);
+    clearInterval(this.timer);
   }
   roll(degrees) {
     this.pose.roll += degrees;

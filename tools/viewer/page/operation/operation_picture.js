@@ -15,7 +15,8 @@ export class OperationPicture {
     this.last = null;  // place of the pointer
     const on = (type, listener) => this.root.addEventListener(type, listener, {passive: false});
     on('pointerdown', (event) => this.down(event));
-    on('pointermove', (event) => this.move(event));
+    // Moves as they come, where the browser tells of them before its next picture.
+    on('onpointerrawupdate' in window ? 'pointerrawupdate' : 'pointermove', (event) => this.move(event));
     on('pointerup', (event) => this.up(event));
     on('pointercancel', (event) => this.up(event));
     on('pointerleave', () => { this.last = null; });
@@ -55,7 +56,7 @@ export class OperationPicture {
   moveBy(dx, dy, {buttons = 0, timeStamp} = {}) {
     const {hand} = this.app;
     const {size, scale} = this.size;
-    this.app.inputTime = timeStamp;
+    this.app.inputTime ??= timeStamp;
     const tip = buttons & 2 ? deeper(this.camera, hand.pose.tip, this.mmPerCssPixel * dy)
       : shifted(this.camera, hand.pose.tip, dx / scale, dy / scale, size);
     hand.moveTo(tip);
@@ -90,11 +91,9 @@ export class OperationPicture {
     --this.decoding;
   }
   draw(frame, bitmap) {
-    if (this.canvas.width !== bitmap.width || this.canvas.height !== bitmap.height) {
-      this.canvas.width = bitmap.width;
-      this.canvas.height = bitmap.height;
-    }
-    this.context.drawImage(bitmap, 0, 0);
+    const {width, height} = frame;
+    if (this.canvas.width !== width || this.canvas.height !== height) Object.assign(this.canvas, {width, height});
+    this.context.drawImage(bitmap, 0, 0, width, height);
     requestAnimationFrame(() => this.app.session.pictured(frame));
   }
 }

@@ -3,6 +3,7 @@
 
 import {Connection} from '../connection.js';
 import {FrameGate, Latencies, parseFrame} from '../frames.js';
+import {Trips} from './trips.js';
 
 const kMostEvents = 500;
 
@@ -15,6 +16,7 @@ export class OperationSession {
     this.state = 'connecting';  // connected, lost, ended
     this.counts = {frames: 0, shown: 0, stale: 0, connections: 0};
     this.latencies = new Latencies();
+    this.trips = new Trips();
     this.gate = new FrameGate();
     this.connection = new Connection(address, token, {
       opened: () => this.opened(), closed: () => this.closed(),
@@ -33,6 +35,7 @@ export class OperationSession {
   opened() {
     ++this.counts.connections;
     this.latencies.forget();
+    this.trips.clear();
     this.gate.restart();
   }
   closed() {
@@ -67,7 +70,9 @@ export class OperationSession {
   /// Asks for parts of a pose; `time` is when the user's input happened.
   lead(name, wish, time = performance.now()) {
     const n = this.connection.post('instrument', {name, ...wish});
-    if (n && !this.status?.is_paused) this.latencies.sent(n, time);
+    if (!n || this.status?.is_paused) return;
+    this.latencies.sent(n, time);
+    this.trips.sent(n, time, performance.now());
   }
   follow(name) { this.connection.post('instrument', {name, follow: true}); }
   view(wish) { this.connection.post('view', wish); }
@@ -78,20 +83,36 @@ export class OperationSession {
     if (!frame) return;
     ++this.counts.frames;
     frame.connection = this.counts.connections;
+    frame.came = performance.now();
     this.tell('frame', frame);
   }
   /// A picture is decoded: whether it is to be shown.
   passes(frame) {
+    frame.decoded = performance.now();
     if (frame.connection !== this.counts.connections) return false;
     this.connection.ack(frame.frame);
     const passes = this.gate.pass(frame);
     if (!passes) ++this.counts.stale;
     return passes;
   }
+  /// Milliseconds from input to the screen, and of the parts of that time: percentiles since the last
+  /// `clear`.
+  latency(clear = false) {
+    const of = (ms) => ({count: ms.length, median: this.latencies.percentile(0.5, ms), p95: this.latencies.percentile(0.95, ms),
+                         max: this.latencies.percentile(1, ms)});
+    const all = {...of(this.latencies.ms), parts: Object.fromEntries(Object.entries(this.trips.ms).map(([part, ms]) => [part, of(ms)]))};
+    if (clear) {
+      this.latencies.ms = [];
+      this.trips.clear();
+    }
+    return all;
+  }
   /// The screen shows a frame.
   pictured(frame) {
     ++this.counts.shown;
-    this.latencies.shown(frame.event, performance.now());
+    const now = performance.now();
+    this.latencies.shown(frame.event, now);
+    this.trips.shown(frame, now);
     this.tell('shown', frame);
   }
 }
