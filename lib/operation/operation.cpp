@@ -293,6 +293,11 @@ const OperationSample& Operation::step(const std::vector<InstrumentPose>& asked)
   return in.sample;
 }
 
+void Operation::take_model(std::size_t membrane, MembraneModel model) {
+  const double next_s = double(m_impl->steps + 1) * m_impl->setup.step_s;
+  m_impl->setup.membranes.at(membrane).changes.push_back({next_s, model});
+}
+
 const OperationSetup& Operation::setup() const {
   return m_impl->setup;
 }

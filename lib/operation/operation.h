@@ -77,6 +77,9 @@ class Operation {
   /// Returns what came of it, poses in the eye's frame.
   const OperationSample& step(const std::vector<InstrumentPose>& asked);
 
+  /// From the next step on another model moves a membrane, as by a change of the setup.
+  void take_model(std::size_t membrane, MembraneModel model);
+
   const OperationSetup& setup() const;
   const OperationSample& sample() const;
   const OperationTimes& times() const;

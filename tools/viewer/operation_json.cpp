@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "tools/scene/operation/operation_keys.h"
+
 namespace supple::tools {
 
 namespace {
@@ -28,6 +30,17 @@ Value instruments_json(const LiveOperation& live) {
                    {"asked", pose_json(live.asked(int(n)))},
                    {"pose", pose_json(pose)},
                    {"force_n", sample.force_n}});
+  }
+  return all;
+}
+
+Value membranes_json(const LiveOperation& live) {
+  Value all = Value::List();
+  for (const MembraneSample& sample : live.operation().sample().membranes) {
+    ModelChange now{0, live.model(int(all.size()))};
+    all.push_back({{"name", sample.body},
+                   {"model", fields_value(fields(now))["model"]},
+                   {"clinging_mm2", sample.clinging_mm2}});
   }
   return all;
 }
@@ -89,6 +102,7 @@ Value operation_status(const LiveOperation& live) {
   return {{"time_s", live.time_s()},
           {"instruments", instruments_json(live)},
           {"view", view_json(live.view(), live.time_s())},
+          {"membranes", membranes_json(live)},
           {"turn_degrees", sample.turn_degrees},
           {"clinging_mm2", sample.clinging_mm2},
           {"vitreous_left", sample.vitreous_left},

@@ -15,7 +15,8 @@ namespace {
 constexpr auto kStatusEvery = std::chrono::milliseconds(100);
 
 const std::vector<std::string>& operation_verbs() {
-  static const std::vector<std::string> verbs = {"instrument", "view", "operation", "ack"};
+  static const std::vector<std::string> verbs = {"instrument", "membrane", "view", "operation",
+                                                 "ack"};
   return verbs;
 }
 
@@ -112,6 +113,7 @@ void OperationViewer::do_later(int page, const PageMessage& message, const Work&
 
 OperationViewer::Work OperationViewer::work_of(const PageMessage& message) {
   if (message.verb == "instrument") return instrument_work(table_of(message));
+  if (message.verb == "membrane") return membrane_work(table_of(message));
   if (message.verb == "view") return view_work(table_of(message));
   return operation_work(table_of(message));
 }
@@ -132,6 +134,20 @@ OperationViewer::Work OperationViewer::instrument_work(Table table) {
       m_live.ask(instrument, wish);
     }
     m_loop.tell_hand();
+    return Value(true);
+  };
+}
+
+OperationViewer::Work OperationViewer::membrane_work(Table table) {
+  std::string name;
+  MembraneModel model = MembraneModel::springs;
+  table.read({Field("name", name, "Of the membrane").required(),
+              Field("model", model, {"springs", "ecm"}, "Model that moves it").required()});
+  table.finish();
+  const int membrane = m_live.find_membrane(name);
+  return [this, membrane, model] {
+    m_live.take_model(membrane, model);
+    tell_status(true);
     return Value(true);
   };
 }
@@ -182,9 +198,8 @@ Value OperationViewer::save(const std::string& path, bool may_overwrite) {
 }
 
 void OperationViewer::stepped(const OperationSample& sample) {
-  if (!sample.events.empty()) {
-    m_pages.tell_all(Pages::text_of({{"events", events_json(sample.events)}}));
-  }
+  const std::vector<OperationEvent> news = m_news.of(sample);
+  if (!news.empty()) m_pages.tell_all(Pages::text_of({{"events", events_json(news)}}));
   tell_status(false);
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tools/scene/operation/event_news.h"
 #include "tools/scene/operation/live_operation.h"
 #include "tools/scene/operation/operation_loop.h"
 #include "tools/viewer/folders.h"
@@ -45,6 +46,7 @@ class OperationViewer final : public PageSession, private OperationListener {
   Work work_of(const PageMessage& message);
   Work instrument_work(Table table);
   Work view_work(Table table);
+  Work membrane_work(Table table);
   Work operation_work(Table table);
   Value save(const std::string& path, bool may_overwrite);
   void watch();
@@ -62,6 +64,7 @@ class OperationViewer final : public PageSession, private OperationListener {
   // Of the loop's thread.
   std::uint64_t m_done = 0;                     // number of the last message
   std::vector<Clock::time_point> m_unpictured;  // arrivals of what no picture shows
+  EventNews m_news;
   RecentTimes m_encodings, m_latencies;
   Clock::time_point m_told;
 

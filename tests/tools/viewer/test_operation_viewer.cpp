@@ -104,6 +104,12 @@ TEST_F(UnitOperationViewer, AnInstrumentGoesWhereAMessageLeadsIt) {
   status([](const Value& one) { return !one["instruments"][0]["is_led"].truth(); });
 }
 
+TEST_F(UnitOperationViewer, TheModelOfAMembraneIsExchangedByAMessage) {
+  status([](const Value& one) { return one["membranes"][0]["model"].text() == "springs"; });
+  EXPECT_TRUE(ask(1, R"("membrane": {"name": "membrane", "model": "ecm"})")["ok"].truth());
+  status([](const Value& one) { return one["membranes"][0]["model"].text() == "ecm"; });
+}
+
 TEST_F(UnitOperationViewer, TimeStandsStillWithoutPages) {
   status([](const Value& one) { return one["time_s"].number() > 0.05; });
   m_viewer.leave(m_id);
@@ -137,9 +143,10 @@ TEST_F(FaultOperationViewer, AMessageThatCannotBeDoneGetsOneErrorAndChangesNothi
         R"("instrument": {"name": "forceps", "axis": [0, 0, 0]})",
         R"("instrument": {"name": "forceps", "opening": "wide"})",
         R"("instrument": {"name": "forceps", "opning": 3})", R"("instrument": 7)",
-        R"("view": {"stereo": "cinema"})", R"("view": {"zoom": 0})",
-        R"("operation": {"do": "explode"})", R"("operation": {"do": "save"})",
-        R"("operation": {"do": "save", "path": "../own.toml"})",
+        R"("membrane": {"name": "membrane"})", R"("membrane": {"name": "skin", "model": "ecm"})",
+        R"("membrane": {"name": "membrane", "model": "fem"})", R"("view": {"stereo": "cinema"})",
+        R"("view": {"zoom": 0})", R"("operation": {"do": "explode"})",
+        R"("operation": {"do": "save"})", R"("operation": {"do": "save", "path": "../own.toml"})",
         R"("operation": {"do": "save", "path": "own.csv"})"}) {
     const Value answer = ask(++n, message);
     ASSERT_TRUE(answer.contains("error")) << message;

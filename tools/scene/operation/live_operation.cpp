@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "lib/instruments/track.h"
+#include "tools/scene/operation/operation_keys.h"
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"
 #include "volumes/base/toml.h"
@@ -30,6 +31,14 @@ const Vec3d* incision_of(const OperationSetup& setup, std::size_t instrument) {
     if (incision.name == setup.tools[instrument].incision) return &incision.place_mm;
   }
   return nullptr;
+}
+
+/// Index of a name. Throws InputError that lists the names.
+int index_of(const std::string& name, const std::vector<std::string>& names, const char* kind) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found != names.end()) return int(found - names.begin());
+  throw InputError({"", "name", "'" + name + "'",
+                    names.empty() ? std::string(kind) + " in the scene" : listed(names, "or")});
 }
 
 /// Place and magnification of the microscope from a time on.
@@ -140,6 +149,13 @@ Value LiveOperation::Impl::saved_root(const std::vector<std::string>& files) con
     for (const char* key : {"way", "hand"}) instrument.erase(key);
     instrument["track"] = std::filesystem::path(files[n + 1]).filename().string();
   }
+  for (std::size_t n = 0; n < operation->setup().membranes.size(); ++n) {
+    Value changes = Value::List();
+    for (ModelChange change : operation->setup().membranes[n].changes) {
+      changes.push_back(fields_value(fields(change)));
+    }
+    if (!changes.items().empty()) saved["body"][n]["models"] = changes;
+  }
   if (!saved.contains("view")) saved["view"] = Value::List{Value()};
   saved["view"][0] = saved_view();
   return saved;
@@ -150,12 +166,14 @@ LiveOperation::~LiveOperation() = default;
 
 int LiveOperation::find(const std::string& instrument) const {
   std::vector<std::string> names;
-  for (const OperationTool& tool : m_impl->scene.setup.tools) {
-    if (tool.shape.name == instrument) return int(names.size());
-    names.push_back(tool.shape.name);
-  }
-  throw InputError({"", "name", "'" + instrument + "'",
-                    names.empty() ? "an instrument in the scene" : listed(names, "or")});
+  for (const OperationTool& tool : m_impl->scene.setup.tools) names.push_back(tool.shape.name);
+  return index_of(instrument, names, "an instrument");
+}
+
+int LiveOperation::find_membrane(const std::string& name) const {
+  std::vector<std::string> names;
+  for (const OperationMembrane& one : m_impl->scene.setup.membranes) names.push_back(one.name);
+  return index_of(name, names, "a membrane");
 }
 
 void LiveOperation::ask(int instrument, const PoseWish& wish) {
@@ -212,6 +230,21 @@ void LiveOperation::look(const LookWish& wish) {
     view.zoom_keys = {};
     view.zoom_keys.add(0, *wish.zoom, Easing::smooth);
   }
+}
+
+void LiveOperation::take_model(int membrane, MembraneModel model) {
+  if (model != this->model(membrane)) m_impl->operation->take_model(std::size_t(membrane), model);
+}
+
+MembraneModel LiveOperation::model(int membrane) const {
+  const Impl& in = *m_impl;
+  const OperationMembrane& one = in.operation->setup().membranes[std::size_t(membrane)];
+  const double next_s = (in.steps + 1.5) * in.scene.setup.step_s;
+  ModelChange last{0, one.params.model};
+  for (const ModelChange& change : one.changes) {
+    if (change.time_s < next_s && change.time_s >= last.time_s) last = change;
+  }
+  return last.model;
 }
 
 const OperationSample& LiveOperation::step() {

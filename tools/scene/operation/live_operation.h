@@ -49,6 +49,12 @@ class LiveOperation {
   /// where a track leads.
   const InstrumentPose& asked(int instrument) const;
   void look(const LookWish& wish);
+  /// Index of a membrane. Throws InputError that lists the names.
+  int find_membrane(const std::string& name) const;
+  /// Exchanges the model that moves a membrane, from the next step on.
+  void take_model(int membrane, MembraneModel model);
+  /// The model of the next step.
+  MembraneModel model(int membrane) const;
 
   /// Makes one step. Returns what came of it.
   const OperationSample& step();

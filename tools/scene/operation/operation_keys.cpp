@@ -179,6 +179,7 @@ Fields fields(MicroscopeView& view) {
             "The vitreous is marched at the width divided by this; 0: not drawn")
           .range(0, 16),
       Field("ambient", view.ambient, "Light without the lamp").range(0, 1),
+      Field("eyepiece", view.eyepiece, "Dark outside of the largest circle"),
   };
 }
 

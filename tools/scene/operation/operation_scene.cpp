@@ -289,6 +289,7 @@ MicroscopeSettings MicroscopeView::settings() const {
   settings.shadow_samples = shadow == ShadowKind::none ? 0 : shadow == ShadowKind::hard ? 1 : 4;
   settings.smooth_edges = smooth_edges;
   settings.haze_part = vitreous_part;
+  settings.eyepiece = eyepiece;
   if (!is_settled) return settings;
   if (shadow != ShadowKind::none) settings.shadow_samples = kSettledShadowSamples;
   if (vitreous_part > 0) settings.haze_part = 1;

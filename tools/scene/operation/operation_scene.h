@@ -56,6 +56,7 @@ struct MicroscopeView {
   bool smooth_edges = true;
   int vitreous_part = 4;  // of the width at which the vitreous is marched
   double ambient = 0.03;
+  bool eyepiece = false;
   bool is_settled = false;  // drawn as well as can be: soft shadow, all of the vitreous
   Track<Vec3d> focus_keys;  // in place of focus_mm
   Track<double> zoom_keys;  // of field_mm

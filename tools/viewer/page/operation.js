@@ -22,6 +22,7 @@ class OperationApp {
     this.session = new OperationSession(socket.href, location.hash.slice(1));
     this.chosen = 0;
     this.hand = null;
+    this.touches = new Set();  // of which alarms tell
     this.picture = new OperationPicture(this);
     this.panel = new OperationPanel(this);
     this.help = new OperationHelp();
@@ -134,6 +135,7 @@ class OperationApp {
       'focus-tip': () => this.focusTip(),
       'focus-deeper': () => this.focus(kFocusStepMm), 'focus-nearer': () => this.focus(-kFocusStepMm),
       'stereo': () => this.nextStereo(),
+      'models': () => this.exchangeModels(),
       'pause': () => this.ask(session.status?.is_paused ? 'go' : 'pause'),
       'restart': () => this.restart(),
       'save': () => this.saving.show(), 'help': () => this.help.show()};
@@ -153,6 +155,8 @@ class OperationApp {
     await this.ask('restart');
     if (this.hand) this.letGo();
     this.panel.events.replaceChildren();
+    this.touches.clear();
+    at('alarm').hidden = true;
     this.say('From the beginning');
   }
   async save(path, force) {
@@ -172,14 +176,26 @@ class OperationApp {
     this.session.view({stereo: list.value});
   }
 
-  /// What a person is to know at once.
+  exchangeModels() {
+    for (const {name, model} of this.session.status.membranes) {
+      this.session.takeModel(name, model === 'ecm' ? 'springs' : 'ecm');
+      this.say(model === 'ecm' ? `${name} moves by springs` : `${name} moves by ChainMail`);
+    }
+  }
+
+  /// What a person is to know at once; an alarm stays for as long as what it tells of.
   tellEvent(event, text) {
     this.say(text);
-    if (!isAlarm(event)) return;
-    at('alarm').textContent = text;
-    at('alarm').hidden = false;
+    const {kind, instrument, at: place} = event, touch = `${instrument} at ${place}`;
+    if (kind === 'touch_ended') this.touches.delete(touch);
+    if (kind === 'touch' && isAlarm(event)) this.touches.add(touch);
+    if (isAlarm(event)) {
+      at('alarm').textContent = text;
+      at('alarm').hidden = false;
+    }
+    if (at('alarm').hidden) return;
     clearTimeout(this.alarmTimer);
-    this.alarmTimer = setTimeout(() => { at('alarm').hidden = true; }, kAlarmMs);
+    if (!this.touches.size) this.alarmTimer = setTimeout(() => { at('alarm').hidden = true; }, kAlarmMs);
   }
 
   connectionChanged(state) {

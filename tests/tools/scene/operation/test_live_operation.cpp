@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/tools/scene/operation/small_eye.h"
+#include "tools/scene/operation/event_news.h"
 #include "tools/scene/operation/live_operation.h"
 #include "tools/scene/operation/operation_loop.h"
 #include "volumes/base/error.h"
@@ -49,6 +50,12 @@ PoseWish wish_of(std::mt19937& random, const InstrumentPose& now) {
   }
   if (random() % 8 == 0) wish.opening_degrees = random() % 2 == 0 ? 0 : 20;
   if (random() % 8 == 0) wish.roll_degrees = 180 * part(random);
+  return wish;
+}
+
+PoseWish wish_to(const Vec3d& tip_mm) {
+  PoseWish wish;
+  wish.tip_mm = tip_mm;
   return wish;
 }
 
@@ -104,6 +111,31 @@ TEST_F(PropertyLiveOperation, ASavedSessionIsDoneAgainToTheSameBits) {
   EXPECT_EQ(again.zoom, expected.zoom);
 }
 
+TEST_F(PropertyLiveOperation, ModelsThatWereExchangedAreExchangedAgain) {
+  LiveOperation live(small_eye()), other(small_eye());
+  const int membrane = live.find_membrane("membrane");
+  PoseWish grip;
+  grip.tip_mm = Vec3d(0.8, 0, -10.95);
+  grip.opening_degrees = 0;
+  const auto lead = [&](LiveOperation& session, int n) {
+    if (n == 20) session.ask(0, grip);
+    if (n == 50) session.ask(0, wish_to({0.4, 0, -10}));
+    session.step();
+  };
+  for (int n = 0; n < 100; ++n) {
+    if (n == 30 || n == 70) live.take_model(membrane, MembraneModel::ecm);
+    if (n == 60) live.take_model(membrane, MembraneModel::springs);
+    lead(live, n);
+    lead(other, n);
+    EXPECT_EQ(live.model(membrane) == MembraneModel::ecm, (n >= 30 && n < 60) || n >= 70) << n;
+  }
+  EXPECT_NE(live.operation().digest(), other.operation().digest());
+  live.save(path());
+  EXPECT_EQ(replayed(path()).digest, live.operation().digest());
+  live.restart();
+  EXPECT_EQ(live.model(membrane), MembraneModel::springs);
+}
+
 TEST_F(PropertyLiveOperation, ASavedSessionCanBeGoneOnWithAndSavedAgain) {
   LiveOperation first(small_eye());
   for (int n = 0; n < 30; ++n) first.step();
@@ -150,6 +182,30 @@ TEST(UnitLiveOperation, ARestartIsANewSession) {
   EXPECT_EQ(live.steps(), 0);
   for (int n = 0; n < 40; ++n) live.step(), other.step();
   EXPECT_EQ(live.operation().digest(), other.operation().digest());
+}
+
+TEST(UnitEventNews, ATouchIsToldOfWhenItBeginsAndWhenItIsOverHoweverLongItLasts) {
+  EventNews news;
+  std::vector<OperationEvent> told;
+  const auto step = [&](int n, double force_n) {
+    OperationSample sample;
+    sample.time_s = 0.02 * n;
+    if (force_n > 0)
+      sample.events.push_back({sample.time_s, "touch", "needle", "lens", {}, force_n});
+    if (n == 70) sample.events.push_back({sample.time_s, "gripped", "forceps", "membrane", {}, 3});
+    for (const OperationEvent& event : news.of(sample)) told.push_back(event);
+  };
+  // A touch that lets go for five steps is one; the second lasts until it begins again.
+  for (int n = 1; n <= 50; ++n) step(n, n >= 25 && n < 30 ? 0 : n == 40 ? 0.5 : 0.1);
+  for (int n = 51; n <= 100; ++n) step(n, n < 90 ? 0 : 0.2);
+  step(1, 0.3);
+  std::vector<std::string> texts;
+  for (const OperationEvent& event : told) {
+    texts.push_back(event.kind + " " + std::to_string(std::lround(event.time_s / 0.02)) + " " +
+                    std::to_string(std::lround(event.value * 10)));
+  }
+  EXPECT_EQ(texts, (std::vector<std::string>{"touch 1 1", "touch_ended 63 5", "gripped 70 30",
+                                             "touch 90 2", "touch 1 3"}));
 }
 
 TEST(FaultLiveOperation, AnInstrumentThatIsNotThereIsToldWithTheNamesThatAre) {

@@ -66,8 +66,8 @@ before(async () => {
   if (missing) return;
   folder = mkdtempSync(join(tmpdir(), 'supple-operation-'));
   writeFileSync(at('small.toml'), kScene);
-  [server, browser] = await Promise.all([
-    Server.start(at('small.toml'), '--folder', folder, '--grace', '0'), Chromium.start()]);
+  server = await Server.start(at('small.toml'), '--folder', folder, '--grace', '0');
+  browser = await Chromium.start();
   page = await browser.page(server.address, {width: 1100, height: 700});
   view = new View(page);
 });
@@ -240,7 +240,24 @@ step('the retina is touched, and everybody is told', async () => {
   assert.ok(await isAlarmed(), 'the alarm is shown');
   assert.match(await page.eval(`document.getElementById('alarm').textContent`), /retina/);
   await keep('operation_touch.png');
+  const count = async (kind) => (await get('events')).filter((one) => one.kind === kind && one.at === 'retina').length;
+  const touches = await count('touch'), ends = await count('touch_ended'), {time_s: time} = await get('status');
+  await view.until('the touch lasts', `$status.time_s > ${time} + 1`, 60);
+  assert.deepEqual([await count('touch'), await count('touch_ended'), await isAlarmed()], [touches, ends, true], 'told of once');
   for (let n = 0; n < 10; ++n) await page.wheel(...mouse, 200);
+  await view.until('it is told that it is over', `$events.filter(({kind, at}) => kind === 'touch_ended' && at === 'retina').length > ${ends}`, 30);
+  await page.until('the alarm is over', `document.getElementById('alarm').hidden`, 30);
+});
+
+step('the model of a membrane is exchanged by a key and by its list', async () => {
+  const list = `document.querySelector('#models select')`;
+  assert.equal(await page.eval(`${list}.value`), 'springs');
+  await page.key('m');
+  await view.until('ChainMail moves it', `$status.membranes[0].model === 'ecm'`);
+  await page.until('the list says so', `${list}.value === 'ecm'`);
+  await keep('operation_models.png');
+  await page.eval(`(${list}.value = 'springs', ${list}.dispatchEvent(new Event('change')))`);
+  await view.until('springs move it', `$status.membranes[0].model === 'springs'`);
 });
 
 step('pairs for two eyes', async () => {

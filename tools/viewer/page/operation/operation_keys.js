@@ -23,6 +23,7 @@ export const kOperationKeys = [
   {group: 'Microscope', action: 'focus-deeper', keys: [']'], text: 'Focus 0.2 mm deeper'},
   {group: 'Microscope', action: 'focus-nearer', keys: ['['], text: 'Focus 0.2 mm nearer'},
   {group: 'Microscope', action: 'stereo', keys: ['v'], text: 'One picture, side by side, red and cyan'},
+  {group: 'Operation', action: 'models', keys: ['m'], text: 'Exchange the model that moves membranes'},
   {group: 'Operation', action: 'pause', keys: ['p'], text: 'Pause or go on'},
   {group: 'Operation', action: 'restart', keys: ['Shift+R'], text: 'From the beginning'},
   {group: 'Operation', action: 'save', keys: ['Ctrl+s'], text: 'Save what was done, to be replayed'},

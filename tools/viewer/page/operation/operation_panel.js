@@ -1,17 +1,19 @@
 // Beside the picture: instruments, tasks, tissue, scores and what has happened.
 
-import {button, element, short} from '../elements.js';
+import {button, element, field, select, short, show} from '../elements.js';
 
 const kMostShown = 40;
 
 /// Events that a person is told of, and those that are alarms.
 const kTexts = {
-  touch: ({instrument, at, value}) => `${instrument} touches ${at}, ${forceText(value)}`,
+  touch: ({instrument, at}) => `${instrument} touches ${at}`,
+  touch_ended: ({instrument, at, value}) => `${instrument} has left ${at}, at most ${forceText(value)}`,
   bleeding: ({at}) => `${at} bleeds`,
   gripped: ({at}) => `${at} gripped`, released: ({at}) => `${at} released`,
   edge_torn: ({at}) => `${at} tears`, piece_lost: ({at}) => `a piece of ${at} came off`,
 };
 const kAlarms = ['touch', 'bleeding'];
+const kModels = {springs: 'Springs', ecm: 'ChainMail'};
 
 export const forceText = (newton) => `${short(newton * 1000, 2)} mN`;
 export const eventText = (event) => kTexts[event.kind]?.(event) ?? null;
@@ -22,8 +24,9 @@ const fact = (name, value) => [element('dt', {}, name), element('dd', {}, value)
 export class OperationPanel {
   constructor(app) {
     this.app = app;
-    for (const id of ['instruments', 'tasks', 'tissue', 'scores', 'events']) this[id] = document.getElementById(id);
+    for (const id of ['instruments', 'tasks', 'tissue', 'models', 'scores', 'events']) this[id] = document.getElementById(id);
     app.session.on('scene', (scene) => this.makeInstruments(scene));
+    app.session.on('scene', (scene) => this.makeModels(scene));
     app.session.on('status', (status) => this.show(status));
     app.session.on('events', (events) => this.addEvents(events));
   }
@@ -38,7 +41,15 @@ export class OperationPanel {
     this.instruments.replaceChildren(...this.rows.map(({row}) => row));
   }
 
+  /// Chooses the model of each membrane.
+  makeModels(scene) {
+    this.choices = (scene?.membranes ?? []).map((name) => select(
+      Object.entries(kModels), 'springs', (model) => this.app.session.takeModel(name, model), {title: 'Model that moves it (M)'}));
+    this.models.replaceChildren(...this.choices.map((choice, n) => field(`Model of ${scene.membranes[n]}`, choice)));
+  }
+
   show(status) {
+    status.membranes.forEach(({model}, n) => this.choices?.[n] && show(this.choices[n], model));
     status.instruments.forEach(({is_led: isLed, force_n: force}, n) => {
       const {row, note} = this.rows?.[n] ?? {};
       if (!row) return;

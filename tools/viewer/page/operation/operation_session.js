@@ -75,6 +75,7 @@ export class OperationSession {
     this.trips.sent(n, time, performance.now());
   }
   follow(name) { this.connection.post('instrument', {name, follow: true}); }
+  takeModel(name, model) { this.connection.post('membrane', {name, model}); }
   view(wish) { this.connection.post('view', wish); }
   operation(what, more = {}) { return this.connection.ask('operation', {do: what, ...more}); }
 
