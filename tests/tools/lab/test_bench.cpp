@@ -264,6 +264,28 @@ TEST(FaultBench, CtrlCLeavesNoReport) {
   EXPECT_TRUE(outcome.out.empty()) << outcome.out;
 }
 
+TEST(UnitBench, RowsOfMembranesHaveTheDocumentedFieldsAndDoWhatTheirCasesSay) {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run_supple({"bench", "membrane", "--quick", "--json", folder / "membrane.json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(read_text(folder / "membrane.json"));
+  ASSERT_EQ(json["rows"].size(), 7u);
+  for (const auto& row : json["rows"]) {
+    EXPECT_GE(row["nodes"], 1500);
+    EXPECT_EQ(row["runs"], 150);
+    EXPECT_GE(row["cpu_p95_ms"], row["cpu_ms"]);
+    EXPECT_EQ(row["freed_mm2"] > 0, row["case"] != "free") << row;
+    EXPECT_EQ(row["most_contacts"] > 0, row["case"] == "contact") << row;
+    if (row["model"] == "ecm") {
+      EXPECT_EQ(row["torn_mm"], 0);
+    }
+    if (row["case"] == "tearing") {
+      EXPECT_GT(row["torn_mm"], 1);
+    }
+  }
+}
+
 TEST(UnitBench, RowsOfSpringsHaveTheDocumentedFieldsAndBoundedEnergy) {
   const TemporaryFolder folder;
   const Outcome outcome =

@@ -34,6 +34,8 @@ std::vector<std::string> invert_row_names(const BenchOptions& options, Console& 
 BenchReport bench_invert(const BenchOptions& options, Console& console);
 std::vector<std::string> io_row_names(const BenchOptions& options, Console& console);
 BenchReport bench_io(const BenchOptions& options, Console& console);
+std::vector<std::string> membrane_row_names(const BenchOptions& options, Console& console);
+BenchReport bench_membrane(const BenchOptions& options, Console& console);
 std::vector<std::string> mesh_row_names(const BenchOptions& options, Console& console);
 BenchReport bench_mesh(const BenchOptions& options, Console& console);
 std::vector<std::string> relax_row_names(const BenchOptions& options, Console& console);

@@ -30,13 +30,13 @@ BenchApp add_bench_options(CLI::App& program, BenchCommand& command) {
                      "  supple bench ecm --quick\n"
                      "  supple bench ecm --only 'all/noise/128*+x/rest' --json ecm.json\n"
                      "  supple bench invert --only 128 --json invert.json");
-  CLI::Option* name =
-      app->add_option(
-             "name", command.bench.name,
-             "Which benchmark: ecm, economy, fem, fit, invert, io, mesh, relax, render or springs")
-          ->check(CLI::IsMember({"ecm", "economy", "fem", "fit", "invert", "io", "mesh", "relax",
-                                 "render", "springs"}))
-          ->option_text("NAME");
+  CLI::Option* name = app->add_option("name", command.bench.name,
+                                      "Which benchmark: ecm, economy, fem, fit, invert, io, "
+                                      "membrane, mesh, relax, render or "
+                                      "springs")
+                          ->check(CLI::IsMember({"ecm", "economy", "fem", "fit", "invert", "io",
+                                                 "membrane", "mesh", "relax", "render", "springs"}))
+                          ->option_text("NAME");
   add_field_options(*app, fields(command));
   return {app, name};
 }
