@@ -1,9 +1,9 @@
-"""Makes the meshes of the scenes beside it from the head CT: plain Python, some seconds.
+"""Makes the mesh of a scene beside it from the head CT: plain Python, some seconds.
 
     python3 docs/scenes/surgery/meshes.py build/data/ct_head.raw
 
-`dura.obj` is a sheet half a millimetre below the inner table of the skull, where a dissector frees a flap of bone;
-`spatula.obj` a malleable retractor; `plate.obj` a plate for the floor of an orbit. All are in LPS millimetres.
+`dura.obj` is a sheet half a millimetre below the inner table of the skull, where a dissector frees a flap of bone, in LPS
+millimetres. It follows the skull of this patient, so that no analytic part stands for it.
 """
 
 import array
@@ -110,42 +110,6 @@ def grid_triangles(columns, rows):
     return triangles
 
 
-def sheet(outline, thickness, bend):
-    """A sheet of a thickness over an outline, a list of (way along, half of its width), bent by a function of the way."""
-    vertices, triangles = [], []
-    across = [-1.0, -0.5, 0.0, 0.5, 1.0]
-    for side in (0.0, thickness):
-        for along, half_width in outline:
-            vertices += [(half_width * x, along, bend(along) + side) for x in across]
-    n, rows = len(across), len(outline)
-    below = grid_triangles(n, rows)
-    above = [(a + n * rows, c + n * rows, b + n * rows) for a, b, c in below]
-    rim = ([(0, c) for c in range(n)] + [(r, n - 1) for r in range(1, rows)] +
-           [(rows - 1, c) for c in range(n - 2, -1, -1)] + [(r, 0) for r in range(rows - 2, 0, -1)])
-    ring = [r * n + c for r, c in rim]
-    for a, b in zip(ring, ring[1:] + ring[:1]):
-        triangles += [(a, b, a + n * rows), (b, b + n * rows, a + n * rows)]
-    return vertices, below + above + triangles
-
-
-def rounded(length, half_width, steps, tip):
-    """An outline along a way whose last part is round."""
-    outline = []
-    for n in range(steps + 1):
-        along = length * n / steps
-        inside = max(0.0, along - (length - tip)) / tip
-        outline.append((along, half_width * math.sqrt(max(1 - inside * inside, 0.02))))
-    return outline
-
-
-def placed(mesh, tip, turn_degrees):
-    """A sheet along y with its end at a place: y leads backwards into the orbit, turned about the patient's left."""
-    vertices, triangles = mesh
-    end = max(v[1] for v in vertices)
-    c, s = math.cos(math.radians(turn_degrees)), math.sin(math.radians(turn_degrees))
-    return [add(tip, (x, c * (y - end) - s * z, s * (y - end) + c * z)) for x, y, z in vertices], triangles
-
-
 def write(name, mesh):
     vertices, triangles = mesh
     lines = ["v %.2f %.2f %.2f" % v for v in vertices] + ["f %d %d %d" % tuple(n + 1 for n in t) for t in triangles]
@@ -157,10 +121,6 @@ def write(name, mesh):
 def main():
     scan = Scan(sys.argv[1])
     write("dura.obj", dura(scan))
-    spatula = sheet(rounded(75.0, 6.0, 30, 6.0), 1.0, lambda along: 0.006 * max(0.0, 45 - along) ** 2)
-    write("spatula.obj", placed(spatula, lps((103.0, 173.0, 31.0)), 4.0))
-    plate = sheet(rounded(26.0, 9.5, 13, 9.0), 0.8, lambda along: 0.05 * max(0.0, along - 14))
-    write("plate.obj", placed(plate, lps((103.0, 170.0, 31.2)), 1.0))
 
 
 if __name__ == "__main__":

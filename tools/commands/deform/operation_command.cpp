@@ -47,9 +47,12 @@ void print_report(const Value& report) {
               report["time_s"].number(), report["wall_s"].number(), report["load"].number());
   print_times(report["times"]);
   if (report.contains("pictures_per_s")) {
-    std::printf("%.1f %s per second, SSIM to settled ones %.4f\n",
-                report["pictures_per_s"].number(), report["pairs"].truth() ? "pairs" : "pictures",
-                report["settled_ssim"].number());
+    std::printf("%.1f %s per second", report["pictures_per_s"].number(),
+                report["pairs"].truth() ? "pairs" : "pictures");
+    if (report.contains("settled_ssim")) {
+      std::printf(", SSIM to settled ones %.4f", report["settled_ssim"].number());
+    }
+    std::printf("\n");
   }
   const Value& memory = report["memory_mb"];
   std::printf("memory       %.0f MB at a tenth, %.0f at half, %.0f at the end\n",
@@ -58,6 +61,20 @@ void print_report(const Value& report) {
   print_inverted(report["membranes"]);
   print_score(report["score"]);
   std::printf("state        %s\n", report["digest"].text().c_str());
+}
+
+/// Nothing is written but an image of the first view at the end, where it is asked for.
+void see_first_view(OperationScene& scene, const std::string& image, OperationOptions& options) {
+  scene.output = {};
+  for (MicroscopeView& view : scene.views) view.image = view.video = "";
+  if (!scene.volume) {
+    if (!image.empty()) scene.views.front().image = image;
+    return;
+  }
+  std::vector<SceneView>& views = scene.volume->views;
+  if (!views.empty()) options.volume_view = std::make_shared<const SceneView>(views.front());
+  options.volume_image = image;
+  views.clear();
 }
 
 }  // namespace
@@ -80,26 +97,20 @@ int tell_score_of(const std::string& log, const GlobalOptions& global) {
 int run_operation(Table root, const OperationCommand& command, const GlobalOptions& global,
                   Console& console) {
   OperationScene scene = read_operation(std::move(root));
+  OperationOptions options;
   if (command.duration_s > 0) scene.duration_s = command.duration_s;
+  for (const auto& [is_given, option] :
+       {std::pair(command.size.has_value(), "--size"), {!command.image.empty(), "--image"}}) {
+    if (!is_given || !(scene.volume ? scene.volume->views.empty() : scene.views.empty())) continue;
+    throw InputError({scene.file, "view", "none", std::string("a table [[view]] for ") + option});
+  }
   if (command.size) {
-    if (scene.views.empty()) {
-      throw InputError({scene.file, "view", "none", "a table [[view]] for --size"});
-    }
-    scene.views.front().size = *command.size;
+    (scene.volume ? scene.volume->views.front().size : scene.views.front().size) = *command.size;
   }
-  if (command.is_replay) {
-    scene.output = {};
-    for (MicroscopeView& view : scene.views) view.image = view.video = "";
-    if (scene.volume) scene.volume->views.clear();
-    if (!command.image.empty() && scene.views.empty()) {
-      throw InputError({scene.file, "view", "none", "a table [[view]] for --image"});
-    }
-    if (!command.image.empty()) scene.views.front().image = command.image;
-  }
+  if (command.is_replay) see_first_view(scene, command.image, options);
   if (!command.is_replay && !command.allows_outside) {
     require_inside(scene.outputs(), scene.file, command.folder);
   }
-  OperationOptions options;
   options.draws_every_step = command.is_replay && !command.is_dry;
   OperationRun run(scene, command.folder, options, console);
   const OutputPlan plan = run.plan(global.force || command.is_dry);

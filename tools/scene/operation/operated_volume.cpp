@@ -44,6 +44,8 @@ struct OperatedVolume::Impl {
   ScenePoses poses;
   RenderReport drawn;
   std::vector<std::unique_ptr<FilmView>> views;
+  std::unique_ptr<Renderer> renderer;  // of draw()
+  std::optional<Camera> camera;
 
   Impl(const OperationScene& given, const std::string& to, Progress& listener)
       : scene(given),
@@ -51,6 +53,9 @@ struct OperatedVolume::Impl {
         folder(to),
         progress(listener),
         poses(parts, listener) {}
+
+  /// A view of the body as it is now, with the instruments where they are.
+  PosedView posed(const Operation& operation, const SceneView& view, int frame);
 };
 
 OperatedVolume::OperatedVolume(const OperationScene& scene, const std::string& folder,
@@ -73,14 +78,34 @@ OperationSetup OperatedVolume::joined_to(OperationSetup setup) {
   return setup;
 }
 
+PosedView OperatedVolume::Impl::posed(const Operation& operation, const SceneView& view,
+                                      int frame) {
+  PosedView posed = poses.drawn_after(frame, view);
+  add_instruments(operation, scene.tracks, posed.view.meshes);
+  return posed;
+}
+
+Image OperatedVolume::draw(const Operation& operation, const SceneView& view, int frame) {
+  Impl& in = *m_impl;
+  in.poses.forget();
+  PosedView posed = in.posed(operation, view, frame);
+  const bool marches = !posed.view.lattice && !posed.view.slice;
+  if (marches && !in.renderer) in.renderer = make_renderer(posed.subject, posed.view);
+  if (marches) {
+    if (!in.camera) in.camera = camera_of(posed.subject, posed.view);
+    posed.view.camera.camera = in.camera;
+    pose(*in.renderer, posed.subject, posed.view);
+  }
+  return to_image(tools::draw(posed.subject, in.renderer.get(), posed.view, nullptr, in.progress));
+}
+
 void OperatedVolume::draw_frame(const Operation& operation, int frame) {
   Impl& in = *m_impl;
   in.poses.forget();
   PendingFiles pictures;
   for (std::size_t n = 0; n < in.parts.views.size(); ++n) {
     const SceneView& view = in.parts.views[n];
-    PosedView posed = in.poses.drawn_after(frame, view);
-    add_instruments(operation, in.scene.tracks, posed.view.meshes);
+    const PosedView posed = in.posed(operation, view, frame);
     if (n == in.views.size()) {
       in.views.push_back(std::make_unique<FilmView>(posed.subject, posed.view, *in.parts.film,
                                                     &in.drawn, in.progress));

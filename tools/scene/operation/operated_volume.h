@@ -6,11 +6,14 @@
 #include <string>
 
 #include "lib/operation/operation.h"
+#include "raycast/pictures/image.h"
 #include "tools/scene/operation/operation_scene.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "volumes/base/progress.h"
 
 namespace supple::tools {
+
+struct SceneView;
 
 /// Name that events have for what is rigid in a scanned volume.
 constexpr char kBone[] = "bone";
@@ -26,6 +29,8 @@ class OperatedVolume {
   OperationSetup joined_to(OperationSetup setup);
   /// Draws all views; frames count from 0.
   void draw_frame(const Operation& operation, int frame);
+  /// Draws one view, which is the same in all calls, without a file.
+  Image draw(const Operation& operation, const SceneView& view, int frame);
   /// Makes the videos after the last frame, under temporary names.
   void make_videos(PendingFiles& files);
 

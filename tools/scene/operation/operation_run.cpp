@@ -106,6 +106,7 @@ struct OperationRun::Impl {
   double memory_at_start_mb = 0, memory_at_middle_mb = 0;
   int steps = 0;
   double wall_s = 0, settled_ssim = 1;
+  Image last;  // of the scanned volume
 
   Impl(const OperationScene& given, std::string to, const OperationOptions& wanted,
        Progress& progress)
@@ -138,6 +139,7 @@ struct OperationRun::Impl {
   }
   void step(int n);
   double ssim_of_settled();
+  void draw_volume(int frame);
   void draw_step(int n, std::vector<ViewVideo>& videos, int& frames);
   void write_images(PendingFiles& files);
   void write_files(std::vector<ViewVideo>& videos);
@@ -156,10 +158,20 @@ void OperationRun::Impl::step(int n) {
   phases.step.push_back(float(operation.times().total_ms));
 }
 
+void OperationRun::Impl::draw_volume(int frame) {
+  if (!options.volume_view) return volume->draw_frame(operation, frame);
+  const Stopwatch drawing;
+  last = volume->draw(operation, *options.volume_view, frame);
+  phases.picture.push_back(float(drawing.ms()));
+}
+
 void OperationRun::Impl::draw_step(int n, std::vector<ViewVideo>& videos, int& frames) {
   const double time_s = (n + 1) * scene.setup.step_s;
   const bool is_due = time_s * scene.frames_per_second >= frames + 1 - 1e-9;
-  if (volume && is_due && frames < scene.frame_count()) volume->draw_frame(operation, frames++);
+  if (volume) {
+    if (is_due && frames < scene.frame_count()) draw_volume(frames++);
+    return;
+  }
   if (!picture) return;
   const bool is_frame = !videos.empty() && is_due;
   if (!is_frame && !options.draws_every_step && n + 1 < scene.step_count()) return;
@@ -186,6 +198,10 @@ double OperationRun::Impl::ssim_of_settled() {
 }
 
 void OperationRun::Impl::write_images(PendingFiles& files) {
+  if (!options.volume_image.empty()) {
+    if (last.width == 0) draw_volume(0);  // shorter than a frame
+    write_png(files.add(path_in(folder, options.volume_image)), last, "");
+  }
   for (const MicroscopeView& view : scene.views) {
     if (view.image.empty()) continue;
     write_png(files.add(path_in(folder, view.image)),
@@ -219,6 +235,9 @@ OutputPlan OperationRun::plan(bool may_overwrite) const {
   for (const MicroscopeView& view : in.scene.views) {
     if (!view.image.empty()) plan.add_image(path_in(in.folder, view.image));
   }
+  if (!in.options.volume_image.empty()) {
+    plan.add_image(path_in(in.folder, in.options.volume_image));
+  }
   for (const ViewVideo& video : in.videos()) plan.add_files(video.files(in.scene.frame_count()));
   in.record.plan(in.folder, plan);
   return plan;
@@ -243,7 +262,7 @@ void OperationRun::run(Progress& progress) {
   }
   in.write_files(videos);
   in.wall_s = whole.ms() / 1000;
-  if (!in.phases.picture.empty()) in.settled_ssim = in.ssim_of_settled();
+  if (in.picture && !in.phases.picture.empty()) in.settled_ssim = in.ssim_of_settled();
 }
 
 const Operation& OperationRun::operation() const {
@@ -271,6 +290,9 @@ Value OperationRun::report() const {
                   {"digest", in.operation.digest()}};
   if (!in.phases.picture.empty()) {
     report["pictures_per_s"] = in.pictures_per_s();
+    report["pairs"] = false;
+  }
+  if (in.picture && !in.phases.picture.empty()) {
     report["pairs"] = in.scene.views.front().stereo != StereoKind::none;
     report["settled_ssim"] = in.settled_ssim;
   }

@@ -17,11 +17,15 @@
 namespace supple::tools {
 
 class OperationPicture;
+struct SceneView;
 
 /// Choices of a run that the scene does not make.
 struct OperationOptions {
   bool draws_every_step = false;  // the first view, for times as a live session has them
   bool makes_videos = true;
+  /// View of a scanned volume that is drawn for each frame, for its times; null: none.
+  std::shared_ptr<const SceneView> volume_view;
+  std::string volume_image;  // the last of these pictures; empty: none
 };
 
 /// Times of all steps in ms.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "raycast/pictures/image.h"
 #include "tests/support/program.h"
 
 using namespace supple;
@@ -11,7 +12,8 @@ using namespace supple::test;
 
 namespace {
 
-/// A bone of 8 · 8 · 3 voxels in soft tissue of 16 · 16 · 12, and a needle that is pressed onto it.
+/// A bone of 8 · 8 · 3 voxels in layers of soft tissue of 16 · 16 · 12, and a needle that is
+/// pressed onto it.
 class UnitOperatedVolume : public ::testing::Test {
  protected:
   UnitOperatedVolume() {
@@ -19,7 +21,7 @@ class UnitOperatedVolume : public ::testing::Test {
     for (int n = 0; n < 16 * 16 * 12; ++n) {
       const int i = n % 16, j = n / 16 % 16, k = n / 256;
       const bool is_bone = i >= 4 && i < 12 && j >= 4 && j < 12 && k >= 3 && k < 6;
-      voxels += char(static_cast<unsigned char>(n == 0 ? 0 : is_bone ? 200 : 100));
+      voxels += char(static_cast<unsigned char>(n == 0 ? 0 : is_bone ? 200 : 40 + 40 * (i % 3)));
     }
     write_text(m_folder / "bone.raw", voxels);
     write_text(m_folder / "bone.nhdr",
@@ -31,7 +33,8 @@ class UnitOperatedVolume : public ::testing::Test {
                "[material]\ndomain = [0, 255]\nactive = [1, 255]\nmax_length = [[0, 1.5]]\n"
                "min_length = [[0, 0.6]]\nshear = [[0, 0.28]]\nrigid = [180, 255]\n"
                "[[step]]\nfix = [[8, 8, 4]]\n"
-               "[[instrument]]\nname = \"probe\"\nkind = \"needle\"\ndiameter = 2\nway = [\n"
+               "[[instrument]]\nname = \"probe\"\nkind = \"parts\"\n"
+               "parts = [{ a = [0, 0, 2], b = [0, 0, 30], radii = [2, 2] }]\nway = [\n"
                "{ time = 0, tip = [8, 8, 16], axis = [0, 0, 1] },\n"
                "{ time = 1, tip = [8, 8, 2], axis = [0, 0, 1] },\n]\n"
                "[[view]]\nimage = \"seen_%03d.png\"\nsize = [40, 30]\n"
@@ -68,4 +71,21 @@ TEST_F(UnitOperatedVolume, AReplayEndsInTheStateOfARun) {
   const std::string scene = m_folder / "scene.toml";
   EXPECT_EQ(digest_of({"run", scene, "-o", m_folder / "out", "--json"}),
             digest_of({"replay", scene, "--json"}));
+}
+
+TEST_F(UnitOperatedVolume, AReplayDrawsEachFrameAsARunDoesAndKeepsNoneButTheLast) {
+  const std::string scene = m_folder / "scene.toml", end = m_folder / "end.png";
+  ASSERT_EQ(run_supple({"run", scene, "-o", m_folder / "out"}).exit_code, 0);
+  const Outcome outcome = run_supple({"replay", scene, "--image", end, "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_GT(json.at("pictures_per_s"), 0);
+  EXPECT_EQ(json.at("outputs").size(), 1u);
+  const Image run = read_png(m_folder / "out/seen_004.png"), replayed = read_png(end);
+  EXPECT_EQ(replayed.width, 40);
+  EXPECT_EQ(replayed.rgba, run.rgba);
+  const Outcome wide = run_supple({"replay", scene, "--image", end, "--size", "60,40", "--force"});
+  ASSERT_EQ(wide.exit_code, 0) << wide.err;
+  EXPECT_EQ(read_png(end).width, 60);
+  EXPECT_FALSE(std::filesystem::exists("seen_000.png"));
 }
