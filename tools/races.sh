@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Looks for data races with the thread sanitizer, in what a live session does: the viewer's session and
-# the attacks on it, and journals. Builds oneTBB from Debian's sources and the program, preset `tsan`;
-# the packaged oneTBB is not built for the sanitizer, and everything beside it would look like a race.
+# the attacks on it, hands that lead an operation, and journals. Builds oneTBB from Debian's sources and
+# the program, preset `tsan`; the packaged oneTBB is not built for the sanitizer, and everything beside it
+# would look like a race.
 # Reports are kept under build/races; any is an error.
 #
 #   bash tools/races.sh
@@ -54,7 +55,7 @@ chmod +x "$program"
 
 export SUPPLE_BINARY="$program" SUPPLE_SOURCE_DIR="$PWD" PYTHONDONTWRITEBYTECODE=1
 failed=0
-for script in session attacks; do
+for script in session attacks hands; do
   say "tests/tools/viewer/$script.py"
   /usr/bin/python3 "tests/tools/viewer/$script.py" || failed=1
 done

@@ -127,6 +127,7 @@ class Page:
         self.sizes = {}
         self.frames, self.answers, self.logs, self.progress = [], {}, [], []
         self.scene, self.hello, self.bye = None, None, None
+        self.status, self.events = None, []  # of an operation
         self.socket.sendall(handshake(port, token, **headers))
         while b"\r\n\r\n" not in self.buffer:
             data = self.socket.recv(4096)
@@ -226,6 +227,10 @@ class Page:
                 self.logs.append(message["log"])
             elif "progress" in message:
                 self.progress.append(message["progress"])
+            elif "status" in message:
+                self.status = message["status"]
+            elif "events" in message:
+                self.events += message["events"]
             elif "hello" in message:
                 self.hello = message["hello"]
             else:
