@@ -115,7 +115,7 @@ TEST(ConvergencePeeling, MeanForceIsTheSameAtHalfTheSubstepAndAtHalfTheStep) {
 TEST(ConvergencePeeling, MeanForceHasConvergedInSweeps) {
   MembraneParams params = peel_params();
   const double whole = -usual_peel().force_n.z;
-  params.sweeps *= 2;
+  params.sweeps /= 2;
   EXPECT_NEAR(-peel(params, 9, 30).force_n.z, whole, 0.01 * whole);
 }
 
