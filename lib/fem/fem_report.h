@@ -149,6 +149,12 @@ struct NewtonReport {
   std::vector<double> residuals_mn;
 };
 
+/// A solution that is a sum of earlier ones (response/response_set.h).
+struct ResponseReport {
+  int used = 0, solved = 0;  // terms of the sum, and solutions that had to be found
+  std::string changed;       // what made earlier ones useless, such as "other loads"; or empty
+};
+
 struct FemReport {
   std::int64_t elements = 0, nodes = 0, unknowns = 0;  // of elements of several voxels, too
   int levels = 0;
@@ -169,6 +175,7 @@ struct FemReport {
   double smallest_det_f = 1;                 // at the elements' centres, in linear theory, too
   double volume_change_ml = 0;               // of all elements together
   std::optional<NewtonReport> newton;        // at finite strain
+  std::optional<ResponseReport> responses;   // of a solution that may be a sum
   std::size_t bytes = 0;                     // at the most, of the solver and its mesh
   double setup_ms = 0, solve_ms = 0;
 };

@@ -19,8 +19,8 @@ ElasticTable material_elasticity(const MaterialTable& material) {
 
 namespace {
 
-std::optional<RefinedShape> refined(const Body& body, int halvings) {
-  if (halvings == 0) return std::nullopt;
+std::shared_ptr<const RefinedShape> refined(const Body& body, int halvings) {
+  if (halvings == 0) return nullptr;
   const std::int64_t count = body.elements.active_count() << 3 * halvings;
   if (count > kMostElements) {
     throw InputError({"", "refine",
@@ -28,7 +28,7 @@ std::optional<RefinedShape> refined(const Body& body, int halvings) {
                           " of each voxel",
                       "at most " + std::to_string(kMostElements)});
   }
-  return std::make_optional<RefinedShape>(body, halvings);
+  return std::make_shared<const RefinedShape>(body, halvings);
 }
 
 }  // namespace
@@ -39,10 +39,22 @@ VoxelFemModel::VoxelFemModel(const HeldBody& held, const ElasticTable& elastic, 
     : m_held(held),
       m_shape(shape),
       m_refined(refined(shape != nullptr ? *shape : held.body, halvings)),
-      m_model(VoxelFemModel::shape(), elastic, params.elements, progress),
-      m_loads(std::move(loads)),
+      m_model(
+          std::make_shared<FemModel>(VoxelFemModel::shape(), elastic, params.elements, progress)),
       m_params(params) {
   params.validate();
+  set_loads(std::move(loads));
+}
+
+VoxelFemModel::VoxelFemModel(const HeldBody& held, const VoxelFemModel& of)
+    : m_held(held),
+      m_shape(of.m_shape),
+      m_refined(of.m_refined),
+      m_model(of.m_model),
+      m_params(of.m_params) {}
+
+void VoxelFemModel::set_loads(FemLoads loads) {
+  m_loads = std::move(loads);
   if (!m_refined) return;
   const auto refine = [&](auto& list) {
     for (auto& load : list) {
@@ -64,28 +76,40 @@ std::vector<std::vector<std::int32_t>> VoxelFemModel::parts() const {
   if (!m_refined) return all;
   const BrickTopology& elements = m_held.body.elements;
   for_each_element(elements, [&](Slot slot) {
-    all.push_back(m_refined->parts_of(m_model.mesh(), voxel_of(elements, slot)));
+    all.push_back(m_refined->parts_of(m_model->mesh(), voxel_of(elements, slot)));
   });
   return all;
 }
 
-void VoxelFemModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
-  const FixedElements fixed = fix(m_held.body, m_held.anchors);
+HeldVoxels VoxelFemModel::find(const std::vector<Handle>& handles, const FixedElements& fixed,
+                               Progress* progress) {
   HeldVoxels found = hold(m_held.body, handles, fixed, m_held.holds);
   m_grips = fem_grips(m_held.body, found, m_told);
-  m_model.join_hinges(shape(), progress);
+  m_model->join_hinges(shape(), progress);
   do {
     hold_corners();
-  } while (m_model.part_hinges(shape(), held_bits(m_model.mesh(), m_loads.held), progress));
-  m_solution = m_model.solve(m_loads, m_params, progress, m_start.get());
+  } while (m_model->part_hinges(shape(), held_bits(m_model->mesh(), m_loads.held), progress));
+  return found;
+}
+
+const FemLoads& VoxelFemModel::loads_of(const std::vector<Handle>& handles, Progress* progress) {
+  find(handles, fix(m_held.body, m_held.anchors), progress);
+  return m_loads;
+}
+
+void VoxelFemModel::move(const std::vector<Handle>& handles, int, Progress* progress) {
+  const FixedElements fixed = fix(m_held.body, m_held.anchors);
+  HeldVoxels found = find(handles, fixed, progress);
+  m_solution = m_known != nullptr ? m_model->solve_by(*m_known, m_loads, m_params, progress)
+                                  : m_model->solve(m_loads, m_params, progress, m_start.get());
   m_solution.report.energy_mj -= false_energy_mj();
   found.rest.anchored.add(found.grabbed);
   m_held.holds = std::move(found.rest);
 }
 
 void VoxelFemModel::hold_corners() {
-  const RefinedShape* const refined = m_refined ? &*m_refined : nullptr;
-  const VoxelCorners corners(m_model.mesh(), m_held.body, refined);
+  const RefinedShape* const refined = m_refined.get();
+  const VoxelCorners corners(m_model->mesh(), m_held.body, refined);
   const HeldCorners held(corners, m_grips, true);
   m_loads.held = held.elements();
   m_reaches = held.reaches();
@@ -98,12 +122,12 @@ void VoxelFemModel::hold_corners() {
 /// Energy of the rigid pieces that are held, as linear theory takes their turn for a strain.
 double VoxelFemModel::false_energy_mj() const {
   if (m_params.strain == StrainTheory::finite || m_held.body.rigid.empty()) return 0;
-  const HexMesh& mesh = m_model.mesh();
+  const HexMesh& mesh = m_model->mesh();
   const BrickTopology& elements = m_held.body.elements;
   double density_kpa = 0;
   const auto add = [&](std::int32_t element) {
     density_kpa +=
-        element_state(mesh, m_model.material(), m_solution.u_mm, element).energy_density_kpa;
+        element_state(mesh, m_model->material(), m_solution.u_mm, element).energy_density_kpa;
   };
   for (const FemGrip& grip : m_grips) {
     grip.slots.for_each([&](Slot slot) {
@@ -115,7 +139,7 @@ double VoxelFemModel::false_energy_mj() const {
       for (const std::int32_t part : m_refined->parts_of(mesh, voxel_of(elements, slot))) add(part);
     });
   }
-  return density_kpa * m_model.material().matrix.volume_mm3 * kMjPerUj;
+  return density_kpa * m_model->material().matrix.volume_mm3 * kMjPerUj;
 }
 
 ModelEnergy VoxelFemModel::energy() {
@@ -141,19 +165,19 @@ FemReaction VoxelFemModel::anchor_reaction() const {
   return {};
 }
 
+std::vector<Vec3d> VoxelFemModel::centres_mm(const std::vector<double>& u_mm) const {
+  if (!m_refined) return at_centres(m_model->mesh(), u_mm);
+  std::vector<Vec3d> centres;
+  const BrickTopology& elements = m_held.body.elements;
+  for_each_element(elements, [&](Slot slot) {
+    centres.push_back(m_refined->at_centre(m_model->mesh(), u_mm, voxel_of(elements, slot)));
+  });
+  return centres;
+}
+
 void VoxelFemModel::store() {
   if (m_solution.u_mm.empty()) return;
-  std::vector<Vec3d> moved;
-  if (m_refined) {
-    const BrickTopology& elements = m_held.body.elements;
-    for_each_element(elements, [&](Slot slot) {
-      moved.push_back(
-          m_refined->at_centre(m_model.mesh(), m_solution.u_mm, voxel_of(elements, slot)));
-    });
-  } else {
-    moved = at_centres(m_model.mesh(), m_solution.u_mm);
-  }
-  give_to_body(moved, {}, m_grips, true, m_held.body);
+  give_to_body(centres_mm(m_solution.u_mm), {}, m_grips, true, m_held.body);
 }
 
 Fields solver_fields(FemParams& params) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "lib/fem/response/response_set.h"
 #include "lib/model/fem_grips.h"
 #include "lib/model/model.h"
 #include "lib/model/refined_shape.h"
@@ -31,8 +32,21 @@ class VoxelFemModel final : public Model<Handle> {
 
   /// The next move begins from an earlier equilibrium, whose result differs within the tolerance.
   void begin_from(std::shared_ptr<const NodeStart> start) { m_start = std::move(start); }
+  /// Shares the elements of another model of the same body, which may be elsewhere and held
+  /// otherwise; touching voxels are apart.
+  VoxelFemModel(const HeldBody& held, const VoxelFemModel& of);
+
+  /// Moves are sums of these solutions, which must be those of this model, and add theirs; null:
+  /// each is solved by itself. Outlives the moves.
+  void sum_by(ResponseSet* known) { m_known = known; }
+  /// Loads and parameters of the moves from now on; elements stay of the kind that they are.
+  void set_loads(FemLoads loads);
+  void set_params(const FemParams& params) { m_params = params; }
   /// Asks for the reactions of these elements, which earlier moves have left held.
   void tell_of(std::vector<SlotSet> elements) { m_told = std::move(elements); }
+
+  /// The loads of a move of these handles, which moves nothing. Throws as move().
+  const FemLoads& loads_of(const std::vector<Handle>& handles, Progress* progress);
 
   /// Solves. Throws InputError as hold(), and for push handles, whose sides linear equations do not
   /// know; NotConverged; Cancelled.
@@ -54,7 +68,9 @@ class VoxelFemModel final : public Model<Handle> {
   const std::vector<FemGrip>& grips() const { return m_grips; }
   /// Report of the last move. Its energy is without the false strain of rigid pieces that are held.
   const FemReport& report() const { return m_solution.report; }
-  const FemModel& solid() const { return m_model; }
+  const FemModel& solid() const { return *m_model; }
+  /// Displacements of the voxels' centres, in the order of the bricks.
+  std::vector<Vec3d> centres_mm(const std::vector<double>& u_mm) const;
   /// The elements of its mesh that the voxels of the body consist of, in the order of the bricks;
   /// empty where each is one element.
   std::vector<std::vector<std::int32_t>> parts() const;
@@ -64,17 +80,20 @@ class VoxelFemModel final : public Model<Handle> {
   const std::vector<double>& swelling_kpa() const { return m_solution.swelling_kpa; }
 
  private:
+  HeldVoxels find(const std::vector<Handle>& handles, const FixedElements& fixed,
+                  Progress* progress);
   void hold_corners();
   const Body& shape() const;
   double false_energy_mj() const;
 
   HeldBody m_held;
-  const Body* m_shape;  // or null
-  std::optional<RefinedShape> m_refined;
-  FemModel m_model;
+  const Body* m_shape;                            // or null
+  std::shared_ptr<const RefinedShape> m_refined;  // or null
+  std::shared_ptr<FemModel> m_model;
   FemLoads m_loads;
   FemParams m_params;
   std::shared_ptr<const NodeStart> m_start;
+  ResponseSet* m_known = nullptr;
   std::vector<SlotSet> m_told;
   std::vector<FemGrip> m_grips;  // of the last move, in the order of its held elements
   std::vector<GripReach> m_reaches;

@@ -11,6 +11,7 @@
 #include "lib/session/fem/element_results.h"
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/fem_solid.h"
+#include "lib/session/fem/kept_voxels.h"
 #include "lib/session/fem/motion_step.h"
 #include "lib/session/fem/piece_poses.h"
 #include "lib/session/fem/shared_handles.h"
@@ -26,33 +27,8 @@ namespace supple {
 
 namespace {
 
-/// Cosine of the widest angle between `facing` and the normal of a face.
-constexpr double kFacingCosine = 0.5;
 /// Up to this many times free pieces that would enter others are held, and the rest is solved.
 constexpr int kMostSolutions = 5;
-
-FemLoads loads_of(const FemStep& step, const FemTask& task, const FemSolid& solid) {
-  FemLoads loads;
-  loads.gravity_m_s2 = step.gravity_m_s2;
-  loads.mass_density = solid.mass_density;
-  for (const FemLoad& load : step.loads) {
-    SlotSet elements =
-        elements_of(load.part, task.held.body, task.density, task.labels, name_of(load.kind));
-    if (load.kind == LoadKind::force) {
-      loads.forces.push_back({std::move(elements), load.force_n});
-    } else if (load.kind == LoadKind::swelling) {
-      loads.inner_pressures.push_back({std::move(elements), load.pressure_kpa});
-    } else {
-      loads.face_pressures.push_back({std::move(elements), load.pressure_kpa, {}});
-      if (!load.facing) continue;
-      const Vec3d direction = *load.facing / load.facing->length();
-      loads.face_pressures.back().includes = [direction](const Vec3d&, const Vec3d& normal) {
-        return normal.dot(direction) >= kFacingCosine;
-      };
-    }
-  }
-  return loads;
-}
 
 void warn_of_result(const FemStep& step, const FemRecord& record, Progress* progress) {
   const FemReport& report = record.report;
@@ -139,6 +115,7 @@ int move_apart(const FemStep& step, const FemTask& task, const std::vector<Handl
     const std::vector<FreePose> more = task.keep_apart(round == kMostSolutions - 1);
     if (more.empty()) break;
     kept.insert(kept.end(), more.begin(), more.end());
+    model.sum_by(nullptr);  // other elements are held for the time being
     model.begin_from(std::make_shared<const NodeStart>(model.displacement_mm().begin(),
                                                        model.displacement_mm().end()));
     start.restore(body);
@@ -151,11 +128,30 @@ int move_apart(const FemStep& step, const FemTask& task, const std::vector<Handl
   return iterations;
 }
 
-void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSolid& solid,
+/// The solid of this body, with what is known of it where earlier steps had the same.
+FemResponses responses_for(const FemStep& step, const FemTask& task, std::string& changed,
+                           Progress* progress) {
+  ResponseKey key = solid_key(step, task);
+  if (task.responses) {
+    changed = task.responses->voxels->key.change_to(key);
+    if (changed.empty()) return *task.responses;
+    task.responses.reset();
+  }
+  return {std::make_shared<KeptVoxels>(std::move(key), step, task, progress), {}};
+}
+
+void move_to_equilibrium(const FemStep& step, const FemTask& task,
                          const std::vector<Handle>& handles, FemRecord& record,
                          Progress* progress) {
-  VoxelFemModel model(task.held, solid.elastic, loads_of(step, task, solid), step.params,
-                      solid.body ? &*solid.body : nullptr, step.halvings, progress);
+  std::string changed;
+  FemResponses kept = responses_for(step, task, changed, progress);
+  const FemSolid& solid = kept.voxels->solid;
+  VoxelFemModel model(task.held, kept.voxels->model);
+  warn_of_locking(task.held.body, solid, step.params.elements, progress);
+  model.set_loads(loads_of(step, task, solid));
+  model.set_params(step.params);
+  const bool may_be_sum = why_no_sum(step.params).empty();
+  model.sum_by(may_be_sum ? &kept.known : nullptr);
   model.tell_of(task.gripped);
   const bool is_picture = step.params.accuracy == FemAccuracy::picture && step.halvings == 0;
   if (is_picture) model.begin_from(task.start);
@@ -174,6 +170,10 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task, const FemSoli
   record.gauges = gauges_of(solved, task.held.body.elements, task.labels);
   record.values = values_of(solved, task.held.body.elements, step.wanted);
   if (step.keeps_nodes && step.halvings == 0) record.nodes.u_mm = model.displacement_mm();
+  if (record.report.responses && record.report.responses->changed.empty()) {
+    record.report.responses->changed = changed;
+  }
+  if (may_be_sum) task.responses = std::make_shared<const FemResponses>(std::move(kept));
 }
 
 /// Damping of the elements' material, and that of the step.
@@ -258,16 +258,18 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   const auto begin = std::chrono::steady_clock::now();
   stage(progress, "finite elements");
   Body& body = task.held.body;
-  const FemSolid solid =
-      fem_solid(task.held.body, task.cuts, step.rigid_young_kpa, step.rigid_poisson);
-  warn_of_locking(body, solid, step.params.elements, progress);
   FemRecord record;
   if (const auto problem = contradiction(step)) throw InputError(*problem);
+  std::optional<FemSolid> solid;
+  if (step.modes || step.motion) {
+    solid = fem_solid(task.held.body, task.cuts, step.rigid_young_kpa, step.rigid_poisson);
+    warn_of_locking(body, *solid, step.params.elements, progress);
+  }
   if (step.modes) {
     if (!handles.empty()) {
       throw InputError({"", "modes", "handles", "anchors alone, which stay at rest"});
     }
-    find_modes(step, task, solid, record, progress);
+    find_modes(step, task, *solid, record, progress);
     show_mode(step.modes->shape, record, body);
     record.milliseconds = ms_since(begin);
     warn_of_result(step, record, progress);
@@ -275,11 +277,11 @@ FemRecord move_by_fem(const FemStep& step, const FemTask& task, const std::vecto
   }
   const std::vector<RigidPiece> before = body.rigid.list;
   if (step.motion) {
-    move_in_time(step, task, solid, handles, record, progress);
+    move_in_time(step, task, *solid, handles, record, progress);
     settle_pieces(task, {}, record);
     if (task.keep_apart) task.keep_apart(true);
   } else {
-    move_to_equilibrium(step, task, solid, handles, record, progress);
+    move_to_equilibrium(step, task, handles, record, progress);
   }
   if (!body.rigid.empty()) warn_of_moved_pieces(body, before, task.pieces, progress);
   record.links = check_links(body);

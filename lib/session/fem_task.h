@@ -11,8 +11,9 @@
 
 namespace supple {
 
-struct PieceMotion;  // lib/session/handles/rigid_drag.h
-struct FreePose;     // lib/session/free_poses.h
+struct FemResponses;  // lib/session/fem/kept_voxels.h
+struct PieceMotion;   // lib/session/handles/rigid_drag.h
+struct FreePose;      // lib/session/free_poses.h
 
 /// The part of a session that the solver works on.
 struct FemTask {
@@ -24,6 +25,8 @@ struct FemTask {
   const std::vector<PieceMotion>& pieces;  // that the handles move
   const FemNodes& nodes;                   // of the step before
   std::shared_ptr<const NodeStart> start;  // of the last picture of this solid, or null
+  /// Solutions of steps before, replaced by those after this one.
+  std::shared_ptr<const FemResponses>& responses;
   /// Poses at which free pieces are to be held instead, now that the body has moved; the last time
   /// none. Null where pieces may pass through each other.
   std::function<std::vector<FreePose>(bool is_last)> keep_apart;

@@ -160,6 +160,10 @@ const Geometry& Session::geometry() const {
 const Body& Session::body() const {
   return m_parts->in.body;
 }
+SessionBody& Session::held_body() {
+  return m_parts->in;
+}
+
 Body& Session::body_to_push() {
   if (m_parts->history) throw std::logic_error("body_to_push() of a session that can undo");
   m_parts->pose.reset();

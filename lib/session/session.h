@@ -18,6 +18,7 @@ namespace supple {
 
 class DeformableMesh;
 struct MeshSetup;
+struct SessionBody;
 
 struct SessionOptions {
   /// Material; null: that of a state; for a volume one homogeneous tissue, with a warning.
@@ -56,6 +57,9 @@ class Session {
   /// The body, for code that pushes it beside steps: offsets alone may change, and all links hold
   /// afterwards. Journals do not know of it. Throws std::logic_error with keeps_undo.
   Body& body_to_push();
+  /// The body with all that is held in it, for responses of a handle (fem/live_responses.h): steps
+  /// go on with what SessionBody::responses has. Nothing else may change.
+  SessionBody& held_body();
   /// Elements that stay where they are: anchors, rigid pieces, and what handles hold.
   SlotSet held() const;
   const MaterialTable& material() const;

@@ -16,7 +16,8 @@
 namespace supple {
 
 class CutLips;
-struct KeptTets;  // lib/session/tets/tet_body.h
+struct FemResponses;  // lib/session/fem/kept_voxels.h
+struct KeptTets;      // lib/session/tets/tet_body.h
 struct LipsBefore;
 
 /// Shapes of pieces and lips, kept from step to step.
@@ -47,8 +48,9 @@ struct SessionBody {
   ContactShapes contact;
   /// Displacements of the last finite elements for a picture, while their solid is the same.
   std::shared_ptr<const NodeStart> equilibrium;
-  std::shared_ptr<const KeptTets> tets;  // the last mesh of tetrahedra
-  RelaxParams relaxed_by;                // of the relaxation that the body rests under, if any
+  std::shared_ptr<const FemResponses> responses;  // of finite elements; null: none yet
+  std::shared_ptr<const KeptTets> tets;           // the last mesh of tetrahedra
+  RelaxParams relaxed_by;  // of the relaxation that the body rests under, if any
   std::optional<StepWalk> walk;
 
   /// Finds links, anchors and solver of a body that is new, or whose material is.

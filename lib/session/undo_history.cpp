@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lib/session/fem/kept_voxels.h"
+
 namespace supple {
 
 namespace {
@@ -22,6 +24,7 @@ std::size_t UndoHistory::Before::bytes() const {
   }
   for (const SlotSet& held : ledger.elements()) total += bytes_of(held);
   if (equilibrium && *equilibrium) total += (*equilibrium)->size() * sizeof(float);
+  total += responses_bytes;
   return total + (handed_over.u_mm.size() + handed_over.v_mm_s.size()) * sizeof(double) +
          handed_over.elements_mm.size() * sizeof(Vec3d);
 }
@@ -57,6 +60,8 @@ void UndoHistory::begin(const Step& step) {
           : nullptr,
       {},
       m_in.equilibrium,
+      m_in.responses,
+      0,
       step.remove.empty() ? nullptr
                           : std::make_shared<std::pair<State, Body>>(m_in.state, m_in.body)};
 }
@@ -100,6 +105,7 @@ void UndoHistory::restore(Before&& before) {
   m_in.ledger = std::move(before.ledger);
   m_in.relaxed_by = before.relaxed_by;
   if (before.equilibrium) m_in.equilibrium = std::move(*before.equilibrium);
+  if (before.responses) m_in.responses = std::move(*before.responses);
   m_in.find_anchors();
 }
 
@@ -115,6 +121,11 @@ void UndoHistory::keep(FemNodes handed_over) {
   if (!before.whole && *before.cuts == m_in.body.cuts) before.cuts.reset();
   if (!before.whole && *before.state_cuts == m_in.state.cuts) before.state_cuts.reset();
   if (*before.equilibrium == m_in.equilibrium) before.equilibrium.reset();
+  if (*before.responses == m_in.responses) {
+    before.responses.reset();
+  } else if (*before.responses) {
+    before.responses_bytes = (*before.responses)->bytes_beyond(m_in.responses.get());
+  }
   keep(Kept(std::move(before)));
   m_begun.reset();
 }

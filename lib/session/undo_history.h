@@ -63,6 +63,9 @@ class UndoHistory {
     FemNodes handed_over;                            // by the record of the step before
     /// The start of pictures before the step, where the step has replaced it.
     std::optional<std::shared_ptr<const NodeStart>> equilibrium;
+    /// Solutions of finite elements before it, likewise.
+    std::optional<std::shared_ptr<const FemResponses>> responses;
+    std::size_t responses_bytes = 0;  // of what later steps do not share
     /// All else of the state and the body, before elements are removed.
     std::shared_ptr<std::pair<State, Body>> whole;
 

@@ -79,6 +79,11 @@ void FemModel::join_hinges(const Body& body, Progress* progress) {
       std::make_unique<Parts>(body, m_parts->material, TouchingRule{Touching::joined}, progress);
 }
 
+/// Elements that part_hinges() has parted.
+const std::vector<bool>& FemModel::parted() const {
+  return m_parts->touching.apart;
+}
+
 const HexMesh& FemModel::mesh() const {
   return m_parts->levels.meshes[0];
 }
@@ -131,14 +136,11 @@ void FemModel::apply(const std::vector<double>& u_mm, std::vector<double>& force
   m_parts->stiffness.add(u_mm.data(), force_mn.data());
 }
 
-FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Progress* progress,
-                            const NodeStart* start_mm) const {
+NodalLoads FemModel::checked_loads(const FemLoads& loads, const FemParams& params,
+                                   Progress* progress, FemReport& report) const {
   params.validate();
-  const Stopwatch clock;
   poll(progress);
   NodalLoads nodal = nodal_loads(mesh(), material(), loads, params.strain);
-  FemSolution out;
-  FemReport& report = out.report;
   report.elements = mesh().element_count();
   report.nodes = mesh().node_count();
   const LooseCount loose =
@@ -163,8 +165,17 @@ FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Prog
   for (const std::uint8_t held : nodal.held) report.unknowns += 3 - __builtin_popcount(held);
   if (params.strain == StrainTheory::linear) {
     nodal.within_held_mn = forces_within_held(mesh(), material(), nodal);
-    if (start_mm != nullptr) begin_from(*start_mm, nodal);
   }
+  return nodal;
+}
+
+FemSolution FemModel::solve(const FemLoads& loads, const FemParams& params, Progress* progress,
+                            const NodeStart* start_mm) const {
+  const Stopwatch clock;
+  FemSolution out;
+  FemReport& report = out.report;
+  NodalLoads nodal = checked_loads(loads, params, progress, report);
+  if (params.strain == StrainTheory::linear && start_mm != nullptr) begin_from(*start_mm, nodal);
   report.setup_ms = clock.ms();
   if (params.solver != EquationSolver::multigrid) {
     solve_by_peer(nodal, params, progress, out);
@@ -279,11 +290,19 @@ void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemPara
   note(solver.size(), report);
   report.solve_ms = clock.ms();
   if (!converged) throw NotConverged(report);
-  balance(loads, solver.u(), solver.residual(), kLeastForce * solver.size().seen_mn, report);
-  out.reactions = reactions_of(*this, loads, solver.residual());
-  note(largest_motion(mesh(), material(), solver.u(), params.strain, limits_of(params)), report);
+  conclude(loads, params, solver.size(), solver.residual(), solver.take_u(), out);
+}
+
+/// Notes all that follows from displacements and the residual that they leave.
+void FemModel::conclude(const NodalLoads& loads, const FemParams& params, const ResidualSize& size,
+                        const std::vector<double>& residual, std::vector<double> u,
+                        FemSolution& out) const {
+  FemReport& report = out.report;
+  balance(loads, u, residual, kLeastForce * size.seen_mn, report);
+  out.reactions = reactions_of(*this, loads, residual);
+  note(largest_motion(mesh(), material(), u, params.strain, limits_of(params)), report);
   report.beyond_linear = report.beyond_elements > 0;
-  out.u_mm = solver.take_u();
+  out.u_mm = std::move(u);
 }
 
 void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress* progress,

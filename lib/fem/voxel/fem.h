@@ -17,6 +17,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "lib/body/body.h"
@@ -32,6 +33,15 @@ namespace supple {
 class HexOperator;
 struct MeshLevels;
 struct PeerProblem;
+class ResponseSet;
+struct ResponseParts;
+
+/// A solution of nodal loads.
+struct NodalSolution {
+  std::vector<double> u_mm, residual_mn;  // three per node
+  double seen_mn = 0, residual_max = 0;   // of ResidualSize
+  int iterations = 0;
+};
 
 /// A body with elastic constants, ready for any number of solves. Keeps nothing of the body but its
 /// shape, cuts and classes.
@@ -58,6 +68,28 @@ class FemModel final : public ElasticSolid {
   FemSolution solve(const FemLoads& loads, const FemParams& params = {},
                     Progress* progress = nullptr, const NodeStart* start = nullptr) const;
 
+  /// The same in linear theory, by a sum of the solutions in `known` where these make it; what is
+  /// missing is solved for and joins them. Those of other held elements, loads or parameters are
+  /// forgotten. A sum that leaves more than twice the tolerance is where iterations begin. Throws
+  /// likewise.
+  FemSolution solve_by(ResponseSet& known, const FemLoads& loads, const FemParams& params,
+                       Progress* progress = nullptr) const;
+
+  /// The nodal values of loads, as solve() checks them; writes elements, nodes, unknowns and
+  /// islands. Throws likewise.
+  NodalLoads checked_loads(const FemLoads& loads, const FemParams& params, Progress* progress,
+                           FemReport& report) const;
+  /// Solves several loads with the same held components beside each other, in linear theory by the
+  /// own solver; each has the bits of a solution alone. Iterations start from the free components
+  /// of loads.u_mm. Throws NotConverged, Cancelled.
+  std::vector<NodalSolution> solve_beside(std::vector<NodalLoads> loads, const FemParams& params,
+                                          Progress* progress = nullptr) const;
+
+  /// Puts such solutions, the first with the forces and the others without, into a set that
+  /// solve_by() goes on with; directions of less than `rounding_mm` beside the others are left out.
+  void keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions,
+            const FemParams& params, double rounding_mm, ResponseSet& known) const;
+
   /// K u in mN, three per node: the linear operator as it is, for checks and other solvers.
   void apply(const std::vector<double>& u_mm, std::vector<double>& force_mn) const;
 
@@ -81,6 +113,12 @@ class FemModel final : public ElasticSolid {
  private:
   struct Parts;
   std::vector<bool> hinged(const HeldBits& held) const;
+  const std::vector<bool>& parted() const;
+  void conclude(const NodalLoads& loads, const FemParams& params, const ResidualSize& size,
+                const std::vector<double>& residual, std::vector<double> u, FemSolution& out) const;
+  std::optional<FemSolution> sum_of(const ResponseSet& known, const ResponseParts& parts,
+                                    NodalLoads& loads, const FemParams& params,
+                                    const FemReport& report) const;
   void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   PeerProblem peer_problem() const;

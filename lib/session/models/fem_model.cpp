@@ -23,9 +23,8 @@ void run_elements(const ModelTask& task) {
   SessionBody& in = task.in;
   StepRecord& record = task.record;
   const std::vector<SlotSet> told = task.told();
-  FemTask work{in.held(),       in.cuts(),      in.state.density,
-               in.state.labels, told,           task.pieces,
-               task.nodes,      in.equilibrium, {}};
+  FemTask work{in.held(),   in.cuts(),  in.state.density, in.state.labels, told,
+               task.pieces, task.nodes, in.equilibrium,   in.responses,    {}};
   std::unique_ptr<CutContact> contact;
   if (!record.fem->modes) {
     contact = contact_of(in, record);

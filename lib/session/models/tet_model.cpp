@@ -49,9 +49,8 @@ void run_tets(const ModelTask& task) {
   SessionBody& in = task.in;
   StepRecord& record = task.record;
   const std::vector<SlotSet> told = task.told();
-  const FemTask work{in.held(),       in.cuts(), in.state.density,
-                     in.state.labels, told,      task.pieces,
-                     task.nodes,      nullptr,   {}};
+  const FemTask work{in.held(),   in.cuts(),  in.state.density, in.state.labels, told,
+                     task.pieces, task.nodes, nullptr,          in.responses,    {}};
   const TetBody& tets = mesh_of(*record.fem->tets, in, task.progress);
   record.equilibrium = move_by_tets(*record.fem, work, tets, task.handles, task.progress);
   if (record.tells_reactions) record.reactions = task.ledger.name(record.equilibrium.reactions);

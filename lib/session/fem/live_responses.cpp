@@ -1,0 +1,412 @@
+#include "lib/session/fem/live_responses.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lib/body/rigid_pieces.h"
+#include "lib/fem/fem_solution.h"
+#include "lib/fem/response/response_field.h"
+#include "lib/fem/small_matrix.h"
+#include "lib/session/fem_task.h"
+#include "lib/session/handles/handle_motion.h"
+#include "volumes/base/units.h"
+
+namespace supple {
+
+namespace {
+
+/// Elements whose changes are looked at: every one of so many.
+constexpr std::size_t kSample = 61;
+constexpr double kSampled = 0.95;
+/// Tolerance of all levels but the last, and of the last at first.
+constexpr double kRough = 1e-2;
+/// Levels: elements of 2^n voxels, and whether they are solved as the step asks.
+constexpr std::pair<int, bool> kLevels[] = {
+    {3, false}, {2, false}, {1, false}, {0, false}, {0, true}};
+/// Directions that are shorter than this part of their target are no directions of their own.
+constexpr double kLeastPart = 1e-6;
+/// Places are rounded to 2^-16 voxel: what a direction asks less than this is no motion.
+constexpr double kRounding = 2.0 / (1 << 16);
+
+double percentile(std::vector<float> values, double part) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + std::ptrdiff_t(part * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return double(*at);
+}
+
+double dot_of(const std::array<double, 12>& a, const std::array<double, 12>& b) {
+  double sum = 0;
+  for (std::size_t n = 0; n < a.size(); ++n) sum += a[n] * b[n];
+  return sum;
+}
+
+/// Solves A x = b, A symmetric and not negative; unknowns without a pivot of their own are 0.
+std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
+  const std::size_t count = b.size();
+  std::vector<double> scale(count), x(count, 0.0);
+  for (std::size_t n = 0; n < count; ++n) scale[n] = a[n][n];
+  std::vector<bool> is_used(count, false);
+  for (std::size_t n = 0; n < count; ++n) {
+    is_used[n] = a[n][n] > kLeastPart * kLeastPart * scale[n] && scale[n] > 0;
+    if (!is_used[n]) continue;
+    for (std::size_t row = n + 1; row < count; ++row) {
+      const double factor = a[row][n] / a[n][n];
+      for (std::size_t m = n; m < count; ++m) a[row][m] -= factor * a[n][m];
+      b[row] -= factor * b[n];
+    }
+  }
+  for (std::size_t n = count; n-- > 0;) {
+    if (!is_used[n]) continue;
+    double sum = b[n];
+    for (std::size_t m = n + 1; m < count; ++m) sum -= a[n][m] * x[m];
+    x[n] = sum / a[n][n];
+  }
+  return x;
+}
+
+}  // namespace
+
+/// Sums of the elements of a piece, their places counting from its middle.
+struct LiveResponses::Moments {
+  Vec3d shift{0, 0, 0};  // sum of displacements
+  Matrix9 product{};     // of places (rows) and displacements
+};
+
+struct LiveResponses::Level {
+  int doublings = 0;
+  bool is_last = false;
+  ResponseField field;                       // the base, and one per direction
+  std::vector<Vec3d> force_n;                // likewise, of the handle
+  std::vector<std::vector<Moments>> pieces;  // likewise, per piece
+  std::vector<double> change_mm;             // likewise, since the level before; empty: none was
+};
+
+LiveResponses::LiveResponses(const SessionBody& in, const Step& grab,
+                             std::vector<DragPose> directions)
+    : m_body(in.body),
+      m_density(in.state.density),
+      m_labels(in.state.labels),
+      m_cuts(in.cuts()),
+      m_anchors(in.anchors),
+      m_holds(in.holds) {
+  if (!grab.fem || grab.drags.size() != 1) {
+    throw InputError({"", "responses", "a step without finite elements or with several handles",
+                      "one handle under finite elements"});
+  }
+  m_step = *grab.fem;
+  const std::string reason = why_no_sum(m_step.params);
+  if (!reason.empty()) throw InputError({"", "responses", reason, "linear equilibria of voxels"});
+  if (in.responses && m_step.params.elements.touching == Touching::apart) {
+    m_voxels = in.responses->voxels;
+  }
+  const SlotSet grabbed = elements_of(m_body, in.region_of(grab.drags.front()), "grab");
+  m_about_mm = centre_lps_mm(m_body, grabbed);
+  double squares = 0;
+  grabbed.for_each([&](Slot slot) {
+    squares += (m_body.geometry.world_from_index(place_now(m_body, slot)) - m_about_mm).length2();
+  });
+  const Vec3d spacing = m_body.geometry.spacing_mm();
+  m_radius_mm = std::max(std::sqrt(squares / double(grabbed.size())), spacing.x / 2);
+  directions.insert(directions.begin(), DragPose{Vec3d(0), {}});
+  for (DragPose& pose : directions) {
+    Step step = grab;
+    Drag& drag = step.drags.front();
+    if (!pose.motion.about_lps_mm) pose.motion.about_lps_mm = m_about_mm;
+    drag.by_mm = pose.by_mm;
+    drag.motion = pose.motion;
+    m_handles.push_back(in.handles_of(step, in.motions_of(step), 1));
+    m_directions.push_back(affine_of(pose));
+  }
+}
+
+LiveResponses::~LiveResponses() = default;
+
+/// Shift of the middle, and the linear map less the identity times the radius: a motion of about so
+/// many mm each.
+LiveResponses::Affine LiveResponses::affine_of(const DragPose& pose) const {
+  const Geometry& geometry = m_body.geometry;
+  Affine out{};
+  const GridSteps steps = steps_of(pose.motion, geometry);
+  const auto moved_way = [&](const Vec3d& way_mm) {
+    const Vec3d index = geometry.index_vector_from_world(way_mm);
+    const Vec3d moved = steps[0] * index.x + steps[1] * index.y + steps[2] * index.z;
+    return geometry.world_vector_from_index(moved) - way_mm;
+  };
+  const Vec3d about = pose.motion.about_lps_mm.value_or(m_about_mm);
+  const Vec3d shift = geometry.world_vector_from_index(pose.by_mm / geometry.spacing_mm()) +
+                      moved_way(m_about_mm - about);
+  for (int a = 0; a < 3; ++a) {
+    out[std::size_t(a)] = shift[a];
+    Vec3d unit(0.0);
+    unit[a] = m_radius_mm;
+    const Vec3d column = moved_way(unit);
+    for (int c = 0; c < 3; ++c) out[std::size_t(3 + 3 * c + a)] = column[c];
+  }
+  return out;
+}
+
+/// The loads of the place where the handle is, with all forces, then what directions add to them.
+std::vector<NodalLoads> LiveResponses::loads(const VoxelFemModel& model, Progress* progress) {
+  VoxelFemModel own({m_body, m_anchors, m_holds}, model);
+  std::shared_ptr<const FemResponses> none;
+  const FemTask task{{m_body, m_anchors, m_holds},
+                     m_cuts,
+                     m_density,
+                     m_labels,
+                     {},
+                     m_pieces,
+                     {},
+                     nullptr,
+                     none,
+                     {}};
+  own.set_loads(loads_of(m_step, task, m_voxels->solid));
+  std::vector<NodalLoads> all;
+  for (const std::vector<Handle>& handles : m_handles) {
+    FemReport report;
+    all.push_back(own.solid().checked_loads(own.loads_of(handles, progress), m_step.params,
+                                            progress, report));
+    if (all.size() == 1) {
+      m_is_handle.clear();
+      for (const FemGrip& grip : own.grips()) {
+        m_is_handle.push_back(grip.kind == GripKind::handle || grip.kind == GripKind::edge);
+      }
+      continue;
+    }
+    NodalLoads& direction = all.back();
+    const NodalLoads& base = all.front();
+    if (direction.held != base.held)
+      throw InputError({"", "responses", "other elements that a direction holds",
+                        "those of the handle where it is"});
+    for (std::size_t n = 0; n < base.u_mm.size(); ++n) direction.u_mm[n] -= base.u_mm[n];
+    direction.force_mn.clear();
+    direction.swelling_kpa.clear();
+    if (!direction.within_held_mn.empty() || !base.within_held_mn.empty()) {
+      direction.within_held_mn.resize(base.u_mm.size(), 0.0);
+      for (std::size_t n = 0; n < base.within_held_mn.size(); ++n) {
+        direction.within_held_mn[n] -= base.within_held_mn[n];
+      }
+    }
+  }
+  return all;
+}
+
+std::shared_ptr<LiveResponses::Level> LiveResponses::level_of(
+    const VoxelFemModel& model, const std::vector<NodalLoads>& loads,
+    const std::vector<NodalSolution>& solutions, const Level* before) const {
+  auto level = std::make_shared<Level>();
+  std::vector<Slot> slots;
+  const std::vector<RigidPiece>& pieces = m_body.rigid.list;
+  for_each_element(m_body.elements, [&](Slot slot) { slots.push_back(slot); });
+  for (std::size_t n = 0; n < solutions.size(); ++n) {
+    const std::vector<Vec3d> centres = model.centres_mm(solutions[n].u_mm);
+    std::vector<Moments>& moments = level->pieces.emplace_back(pieces.size());
+    std::vector<float> values;
+    values.reserve(3 * centres.size());
+    for (std::size_t e = 0; e < centres.size(); ++e) {
+      for (int a = 0; a < 3; ++a) values.push_back(float(centres[e][a]));
+      const int piece = m_body.rigid.at(slots[e]);
+      if (piece < 0) continue;
+      Moments& of = moments[std::size_t(piece)];
+      const Vec3d arm = m_body.geometry.world_vector_from_index(
+          Vec3d(voxel_of(m_body.elements, slots[e])) - pieces[std::size_t(piece)].centre_index);
+      of.shift += centres[e];
+      for (int a = 0; a < 9; ++a) of.product[std::size_t(a)] += arm[a / 3] * centres[e][a % 3];
+    }
+    level->field.add(std::move(values));
+    const std::vector<FemReaction> reactions =
+        reactions_of(model.solid(), loads[n], solutions[n].residual_mn);
+    Vec3d& force = level->force_n.emplace_back(0.0);
+    for (std::size_t g = 0; g < reactions.size(); ++g) {
+      if (m_is_handle[g]) force += reactions[g].force_n;
+    }
+    if (before != nullptr) {
+      level->change_mm.push_back(
+          percentile(level->field.changes(n, before->field, kSample), kSampled));
+    }
+  }
+  return level;
+}
+
+void LiveResponses::run(Progress* progress) {
+  std::shared_ptr<const FemResponses> none;
+  const FemTask task{{m_body, m_anchors, m_holds},
+                     m_cuts,
+                     m_density,
+                     m_labels,
+                     {},
+                     m_pieces,
+                     {},
+                     nullptr,
+                     none,
+                     {}};
+  ResponseKey key = solid_key(m_step, task);
+  if (!m_voxels || !m_voxels->key.change_to(key).empty()) {
+    m_voxels = std::make_shared<KeptVoxels>(std::move(key), m_step, task, progress);
+  }
+  const VoxelFemModel& model = m_voxels->model;
+  const FemModel& solid = model.solid();
+  std::vector<NodalLoads> all = loads(model, progress);
+  const int deepest = int(solid.levels().meshes.size()) - 1;
+  std::shared_ptr<const Level> before;
+  for (const auto& [doublings, is_last] : kLevels) {
+    if (doublings > deepest) continue;
+    FemParams params = m_step.params;
+    params.doublings = doublings;
+    if (!is_last) {
+      params.tolerance = std::max(params.tolerance, kRough);
+      params.reaction_tolerance = std::max(params.reaction_tolerance, kRough);
+    }
+    std::vector<NodalSolution> solutions = solid.solve_beside(all, params, progress);
+    std::shared_ptr<Level> found = level_of(model, all, solutions, before.get());
+    found->doublings = doublings;
+    found->is_last = is_last;
+    before = found;
+    if (is_last) {
+      keep(all, std::move(solutions));
+    } else {
+      for (std::size_t n = 0; n < all.size(); ++n) all[n].u_mm = std::move(solutions[n].u_mm);
+    }
+    publish(std::move(found));
+  }
+}
+
+/// Puts the solutions of the last level together for steps.
+void LiveResponses::keep(const std::vector<NodalLoads>& loads,
+                         std::vector<NodalSolution> solutions) {
+  auto found = std::make_shared<FemResponses>();
+  found->voxels = m_voxels;
+  const Vec3d spacing = m_body.geometry.spacing_mm();
+  const double rounding = kRounding * std::min({spacing.x, spacing.y, spacing.z});
+  m_voxels->model.solid().keep(loads, std::move(solutions), m_step.params, rounding, found->known);
+  const std::lock_guard<std::mutex> lock(m_mutex);
+  m_found = std::move(found);
+}
+
+void LiveResponses::publish(std::shared_ptr<const Level> level) {
+  const std::lock_guard<std::mutex> lock(m_mutex);
+  m_levels.push_back(std::move(level));
+}
+
+std::shared_ptr<const LiveResponses::Level> LiveResponses::level(int number) const {
+  const std::lock_guard<std::mutex> lock(m_mutex);
+  return m_levels.at(std::size_t(number));
+}
+
+int LiveResponses::ready() const {
+  const std::lock_guard<std::mutex> lock(m_mutex);
+  return int(m_levels.size());
+}
+
+std::shared_ptr<const FemResponses> LiveResponses::found() const {
+  const std::lock_guard<std::mutex> lock(m_mutex);
+  return m_found;
+}
+
+LivePose LiveResponses::pose(const DragPose& target) const {
+  LivePose out;
+  const Affine asked = affine_of(target);
+  const std::size_t count = m_directions.size() - 1;
+  std::vector<std::vector<double>> products(count, std::vector<double>(count));
+  std::vector<double> of_asked(count);
+  for (std::size_t n = 0; n < count; ++n) {
+    of_asked[n] = dot_of(m_directions[n + 1], asked);
+    for (std::size_t m = 0; m < count; ++m) {
+      products[n][m] = dot_of(m_directions[n + 1], m_directions[m + 1]);
+    }
+  }
+  out.parts = solved(std::move(products), std::move(of_asked));
+  Affine left = asked;
+  for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t a = 0; a < left.size(); ++a) {
+      left[a] -= out.parts[n] * m_directions[n + 1][a];
+    }
+  }
+  out.beyond_mm = std::sqrt(dot_of(left, left));
+  out.level = ready() - 1;
+  if (out.level < 0) return out;
+  const std::shared_ptr<const Level> at = level(out.level);
+  out.doublings = at->doublings;
+  if (at->is_last) {
+    out.error_mm = 0;
+  } else if (!at->change_mm.empty()) {
+    out.error_mm = at->change_mm[0];
+    for (std::size_t n = 0; n < count; ++n) {
+      out.error_mm += std::abs(out.parts[n]) * at->change_mm[n + 1];
+    }
+  }
+  return out;
+}
+
+namespace {
+
+/// The parts with that of the base, which is 1.
+std::vector<double> with_base(const LivePose& pose) {
+  std::vector<double> parts = pose.parts;
+  parts.insert(parts.begin(), 1);
+  return parts;
+}
+
+}  // namespace
+
+void LiveResponses::displacements(const LivePose& pose, std::size_t begin, std::size_t end,
+                                  Vec3f* out) const {
+  level(pose.level)->field.sum(with_base(pose), begin, end, out);
+}
+
+Vec3d LiveResponses::force_n(const LivePose& pose) const {
+  const std::shared_ptr<const Level> at = level(pose.level);
+  const std::vector<double> parts = with_base(pose);
+  Vec3d sum(0);
+  for (std::size_t n = 0; n < parts.size(); ++n) sum += at->force_n[n] * parts[n];
+  return sum;
+}
+
+std::vector<RigidPose> LiveResponses::piece_poses(const LivePose& pose) const {
+  const std::shared_ptr<const Level> at = level(pose.level);
+  const std::vector<double> parts = with_base(pose);
+  std::vector<RigidPose> poses;
+  for (std::size_t p = 0; p < m_body.rigid.list.size(); ++p) {
+    RigidPiece at_rest = m_body.rigid.list[p];
+    at_rest.pose = {};
+    Matrix9 products{};  // of places at rest and where they go, from their middles
+    double squares = 0, count = 0;
+    at_rest.elements->for_each([&](Slot slot) {
+      const Vec3d arm = m_body.geometry.world_vector_from_index(
+          Vec3d(voxel_of(m_body.elements, slot)) - at_rest.centre_index);
+      for (std::size_t a = 0; a < 9; ++a) products[a] += arm[int(a / 3)] * arm[int(a % 3)];
+      squares += arm.length2();
+      ++count;
+    });
+    Vec3d shift(0);
+    for (std::size_t n = 0; n < parts.size(); ++n) {
+      const Moments& moments = at->pieces[n][p];
+      shift += moments.shift * (parts[n] / count);
+      for (std::size_t a = 0; a < 9; ++a) products[a] += parts[n] * moments.product[a];
+    }
+    // Six points with the same middles and products have the same fit.
+    const Vec3d from = m_body.geometry.world_from_index(at_rest.centre_index), to = from + shift;
+    const double arm = std::max(std::sqrt(squares / 6), m_radius_mm);
+    RigidFit fit;
+    for (int a = 0; a < 3; ++a) {
+      Vec3d axis(0.0), image;
+      axis[a] = arm;
+      for (int b = 0; b < 3; ++b) image[b] = products[std::size_t(3 * a + b)] / (2 * arm);
+      fit.add(from + axis, to + image);
+      fit.add(from - axis, to - image);
+    }
+    poses.push_back(moved_by(fit.motion(), at_rest, m_body.geometry));
+  }
+  return poses;
+}
+
+std::size_t LiveResponses::bytes() const {
+  const std::lock_guard<std::mutex> lock(m_mutex);
+  std::size_t sum = m_body.bytes();
+  for (std::size_t n = 0; n < m_levels.size(); ++n) {
+    sum += m_levels[n]->field.bytes();
+  }
+  return sum + (m_found ? m_found->known.bytes() : 0);
+}
+
+}  // namespace supple
