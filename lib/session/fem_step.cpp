@@ -11,13 +11,13 @@
 #include "lib/session/fem/element_results.h"
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/fem_solid.h"
-#include "lib/session/fem/kept_voxels.h"
 #include "lib/session/fem/motion_step.h"
 #include "lib/session/fem/piece_poses.h"
 #include "lib/session/fem/shared_handles.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/free_poses.h"
 #include "lib/session/handles/rigid_drag.h"
+#include "lib/session/kept_voxels.h"
 #include "lib/session/step_warnings.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/text.h"
@@ -150,7 +150,8 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task,
   warn_of_locking(task.held.body, solid, step.params.elements, progress);
   model.set_loads(loads_of(step, task, solid));
   model.set_params(step.params);
-  const bool may_be_sum = why_no_sum(step.params).empty();
+  const std::string refused = why_no_sum(step.params);
+  const bool may_be_sum = refused.empty();
   model.sum_by(may_be_sum ? &kept.known : nullptr);
   model.tell_of(task.gripped);
   const bool is_picture = step.params.accuracy == FemAccuracy::picture && step.halvings == 0;
@@ -170,6 +171,7 @@ void move_to_equilibrium(const FemStep& step, const FemTask& task,
   record.gauges = gauges_of(solved, task.held.body.elements, task.labels);
   record.values = values_of(solved, task.held.body.elements, step.wanted);
   if (step.keeps_nodes && step.halvings == 0) record.nodes.u_mm = model.displacement_mm();
+  if (!may_be_sum && task.responses) record.report.responses = ResponseReport{0, 0, refused};
   if (record.report.responses && record.report.responses->changed.empty()) {
     record.report.responses->changed = changed;
   }

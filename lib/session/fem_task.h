@@ -11,7 +11,7 @@
 
 namespace supple {
 
-struct FemResponses;  // lib/session/fem/kept_voxels.h
+struct FemResponses;  // lib/session/kept_voxels.h
 struct PieceMotion;   // lib/session/handles/rigid_drag.h
 struct FreePose;      // lib/session/free_poses.h
 

@@ -57,7 +57,7 @@ class Session {
   /// The body, for code that pushes it beside steps: offsets alone may change, and all links hold
   /// afterwards. Journals do not know of it. Throws std::logic_error with keeps_undo.
   Body& body_to_push();
-  /// The body with all that is held in it, for responses of a handle (fem/live_responses.h): steps
+  /// The body with all that is held in it, for responses of a handle (live_responses.h): steps
   /// go on with what SessionBody::responses has. Nothing else may change.
   SessionBody& held_body();
   /// Elements that stay where they are: anchors, rigid pieces, and what handles hold.

@@ -16,7 +16,7 @@
 namespace supple {
 
 class CutLips;
-struct FemResponses;  // lib/session/fem/kept_voxels.h
+struct FemResponses;  // lib/session/kept_voxels.h
 struct KeptTets;      // lib/session/tets/tet_body.h
 struct LipsBefore;
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lib/session/fem/kept_voxels.h"
+#include "lib/session/kept_voxels.h"
 
 namespace supple {
 

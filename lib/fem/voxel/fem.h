@@ -41,6 +41,7 @@ struct NodalSolution {
   std::vector<double> u_mm, residual_mn;  // three per node
   double seen_mn = 0, residual_max = 0;   // of ResidualSize
   int iterations = 0;
+  std::size_t bytes = 0;  // at the most, with the solver, its mesh and the solutions before it
 };
 
 /// A body with elastic constants, ready for any number of solves. Keeps nothing of the body but its

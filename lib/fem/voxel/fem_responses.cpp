@@ -60,14 +60,14 @@ ResidualSize residual_of(const HexOperator& stiffness, const NodalLoads& loads,
 }
 
 template <class Solver>
-NodalSolution solved_by(Solver& solver, Progress* progress, const FemReport& report) {
+NodalSolution solved_by(Solver& solver, Progress* progress) {
   const bool is_converged = solver.run(progress, progress);
   NodalSolution out;
   out.iterations = solver.iterations();
   out.residual_max = solver.size().max;
   out.seen_mn = solver.size().seen_mn;
   if (!is_converged) {
-    FemReport told = report;
+    FemReport told;
     told.iterations = out.iterations;
     note(solver.size(), told);
     throw NotConverged(told);
@@ -85,22 +85,26 @@ std::vector<NodalSolution> FemModel::solve_beside(std::vector<NodalLoads> loads,
   std::vector<NodalSolution> all;
   if (loads.empty()) return all;
   const CgLimits limits{params.tolerance, params.reaction_tolerance, params.max_iterations};
-  FemReport report;
+  const auto solve_with = [&](auto&& solver, std::size_t system_bytes) {
+    const std::size_t bytes = this->bytes() + system_bytes + solver.bytes() +
+                              all.size() * 2 * sizeof(double) * solver.residual().size();
+    all.push_back(solved_by(solver, progress));
+    all.back().bytes = bytes;
+  };
   if (params.doublings > 0) {
     Multigrid multigrid(levels(), stiffness(), material(), loads.front().held, {}, progress,
                         params.doublings);
     stage(progress, "solving");
     for (NodalLoads& one : loads) {
-      CoarseElements solver(stiffness(), multigrid, params.doublings, one, limits);
-      all.push_back(solved_by(solver, progress, report));
+      solve_with(CoarseElements(stiffness(), multigrid, params.doublings, one, limits),
+                 multigrid.bytes());
     }
     return all;
   }
   VoxelSystem system(levels(), stiffness(), material(), loads.front().held, progress);
   stage(progress, "solving");
   for (NodalLoads& one : loads) {
-    ConjugateGradients solver(system, one, limits);
-    all.push_back(solved_by(solver, progress, report));
+    solve_with(ConjugateGradients(system, one, limits), system.bytes());
   }
   return all;
 }

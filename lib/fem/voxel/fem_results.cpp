@@ -29,8 +29,9 @@ Matrix9 centre_gradient(const HexMesh& voxels, const VoxelMaterial& material,
   return gradient;
 }
 
-ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
-                          const std::vector<double>& u_mm, std::int32_t element) {
+/// Strain and turn alone.
+ElementState linear_motion(const HexMesh& voxels, const VoxelMaterial& material,
+                           const std::vector<double>& u_mm, std::int32_t element) {
   const Matrix9 gradient = centre_gradient(voxels, material, u_mm, element);
   ElementState out;
   out.strain = symmetric(gradient);
@@ -39,6 +40,12 @@ ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
   for (std::size_t n = 0; n < 9; n += 4) f[n] += 1;
   out.det_f = determinant_of(f, cofactors(f));
   out.rotation_rad = axial(gradient);
+  return out;
+}
+
+ElementState linear_state(const HexMesh& voxels, const VoxelMaterial& material,
+                          const std::vector<double>& u_mm, std::int32_t element) {
+  ElementState out = linear_motion(voxels, material, u_mm, element);
   const std::uint8_t of = material.classes[element];
   const double shear = material.moduli.shear[of], bulk = material.moduli.bulk[of];
   for (int n = 0; n < 6; ++n) out.stress_kpa[n] = 2 * shear * out.strain[n];
@@ -102,7 +109,9 @@ LargestMotion largest_motion(const HexMesh& voxels, const VoxelMaterial& materia
                              const std::vector<double>& u_mm, StrainTheory theory,
                              const MotionLimits& limits) {
   const auto add = [&](std::int32_t e, LargestMotion& sum) {
-    const ElementState state = element_state(voxels, material, u_mm, e, theory);
+    const ElementState state = theory == StrainTheory::linear
+                                   ? linear_motion(voxels, material, u_mm, e)
+                                   : finite_state(voxels, material, u_mm, e);
     const std::array<double, 3> principal = eigenvalues(state.strain);
     LargestMotion own;
     own.rotation_deg = state.rotation_rad.length() * kDegreesPerRadian;

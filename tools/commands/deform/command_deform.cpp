@@ -175,6 +175,10 @@ void print_fem(const FemRecord& record) {
   std::printf("finite elements %lld unknowns, %d iterations, residual max %.2g, rms %.2g\n",
               static_cast<long long>(report.unknowns), report.iterations, report.residual_max,
               report.residual_rms);
+  if (report.responses && report.responses->used > 0) {
+    std::printf("responses       a sum of %d, %d of them found for it\n", report.responses->used,
+                report.responses->solved);
+  }
   if (report.newton) {
     const NewtonReport& newton = *report.newton;
     std::printf("finite strain   %d load steps and %d given up, %d corrections, det F from %.3g\n",

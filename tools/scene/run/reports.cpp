@@ -139,6 +139,11 @@ Value to_value(const FemRecord& record) {
                 {"setup_ms", report.setup_ms},
                 {"solve_ms", report.solve_ms},
                 {"fem_ms", record.milliseconds}};
+  if (report.responses) {
+    const ResponseReport& of = *report.responses;
+    json["responses"] = {{"used", of.used}, {"solved", of.solved}};
+    if (!of.changed.empty()) json["responses"]["anew_for"] = of.changed;
+  }
   if (record.motion) {
     for (const char* of_equilibria :
          {"residual_rms", "largest_force_n", "force_balance", "energy_identity", "energy_mj",

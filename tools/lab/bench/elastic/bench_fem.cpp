@@ -12,6 +12,7 @@
 #include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/fem_problems.h"
+#include "tools/lab/bench/elastic/response_rows.h"
 #include "tools/lab/bench/elastic/tet_rows.h"
 #include "tools/lab/bench/report/memory.h"
 #include "tools/lab/bench/report/report.h"
@@ -35,11 +36,13 @@ struct FemBenchRow {
   EquationSolver solver = EquationSolver::multigrid;
   int threads = 1;
   TetRow tets;  // of such rows
+  ResponseRow responses;
 
   /// operator/cube/size/precision/threads, solve/field/size/nu, beside/field/size/solver or
   /// iterations/field/size/contrast/nu.
   std::string name() const {
     if (kind == "tets") return tets.name();
+    if (kind == "responses") return responses.name(subject);
     char numbers[64];
     if (kind == "operator") {
       std::snprintf(numbers, sizeof numbers, "%d/%s/%d", subject.size, precision.c_str(), threads);
@@ -125,6 +128,10 @@ std::vector<FemBenchRow> plan_fem(const BenchOptions& options, const std::string
     plan_peers(threads, plan);
   }
   plan_iterations(options.quick, threads, plan);
+  for (const ResponseRow& row : response_rows()) {
+    plan.push_back(row_of_body("responses", "cube", options.quick ? 32 : 64, threads));
+    plan.back().responses = row;
+  }
   for (const TetRow& row : tet_rows(options.quick)) {
     plan.push_back(row_of_body("tets", "ball", row.size, threads));
     plan.back().tets = row;
@@ -222,6 +229,14 @@ BenchRow measure_solve(const FemBenchRow& row, const BenchOptions& options, cons
                        Progress& cancel) {
   if (row.kind == "tets") return measure_tets(row.tets, options.quick ? 1 : 3, row.threads, cancel);
   const FemProblem problem = fem_problem(row.subject, head);
+  if (row.kind == "responses") {
+    BenchRow fields =
+        measure_responses(row.responses, problem, options.quick ? 1 : 3, row.threads, cancel);
+    fields["case"] = row.kind;
+    fields["field"] = row.subject.field + (row.responses.is_sum ? ", sum" : ", beside");
+    fields["size"] = row.subject.size;
+    return fields;
+  }
   const bool is_small = problem.body.elements.active_count() < 1000000;
   const int rounds = options.quick || !is_small || row.kind == "iterations" ? 1 : 3;
   const ThreadLimit limit(row.threads);
@@ -284,6 +299,7 @@ std::vector<std::string> fem_row_names(const BenchOptions& options, Console& con
 ///   operator    products with the stiffness matrix, one and several threads, both precisions;
 ///   solve       bodies of one material and the head, to the tolerances that steps have;
 ///   iterations  the same of contrasts and Poisson's ratios; what does not converge is a row, too;
+///   responses   shifts of a cube's plate, solved beside each other, and their sums;
 ///   tets        a swelling ball of tetrahedra.
 /// Throws UsageError when `only` leaves no row, Cancelled.
 BenchReport bench_fem(const BenchOptions& options, Console& console) {

@@ -1,12 +1,10 @@
-#include "lib/session/fem/live_responses.h"
+#include "lib/session/live_responses.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "lib/body/rigid_pieces.h"
 #include "lib/fem/fem_solution.h"
 #include "lib/fem/response/response_field.h"
-#include "lib/fem/small_matrix.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/handles/handle_motion.h"
 #include "volumes/base/units.h"
@@ -67,24 +65,19 @@ std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<doubl
 
 }  // namespace
 
-/// Sums of the elements of a piece, their places counting from its middle.
-struct LiveResponses::Moments {
-  Vec3d shift{0, 0, 0};  // sum of displacements
-  Matrix9 product{};     // of places (rows) and displacements
-};
-
 struct LiveResponses::Level {
   int doublings = 0;
   bool is_last = false;
-  ResponseField field;                       // the base, and one per direction
-  std::vector<Vec3d> force_n;                // likewise, of the handle
-  std::vector<std::vector<Moments>> pieces;  // likewise, per piece
-  std::vector<double> change_mm;             // likewise, since the level before; empty: none was
+  ResponseField field;                            // the base, and one per direction
+  std::vector<Vec3d> force_n;                     // likewise, of the handle
+  std::vector<std::vector<PieceMoments>> pieces;  // likewise, per piece
+  std::vector<double> change_mm;  // likewise, since the level before; empty: none was
 };
 
 LiveResponses::LiveResponses(const SessionBody& in, const Step& grab,
                              std::vector<DragPose> directions)
     : m_body(in.body),
+      m_fits(m_body),
       m_density(in.state.density),
       m_labels(in.state.labels),
       m_cuts(in.cuts()),
@@ -195,23 +188,13 @@ std::shared_ptr<LiveResponses::Level> LiveResponses::level_of(
     const VoxelFemModel& model, const std::vector<NodalLoads>& loads,
     const std::vector<NodalSolution>& solutions, const Level* before) const {
   auto level = std::make_shared<Level>();
-  std::vector<Slot> slots;
-  const std::vector<RigidPiece>& pieces = m_body.rigid.list;
-  for_each_element(m_body.elements, [&](Slot slot) { slots.push_back(slot); });
   for (std::size_t n = 0; n < solutions.size(); ++n) {
     const std::vector<Vec3d> centres = model.centres_mm(solutions[n].u_mm);
-    std::vector<Moments>& moments = level->pieces.emplace_back(pieces.size());
+    level->pieces.push_back(m_fits.moments(centres));
     std::vector<float> values;
     values.reserve(3 * centres.size());
-    for (std::size_t e = 0; e < centres.size(); ++e) {
-      for (int a = 0; a < 3; ++a) values.push_back(float(centres[e][a]));
-      const int piece = m_body.rigid.at(slots[e]);
-      if (piece < 0) continue;
-      Moments& of = moments[std::size_t(piece)];
-      const Vec3d arm = m_body.geometry.world_vector_from_index(
-          Vec3d(voxel_of(m_body.elements, slots[e])) - pieces[std::size_t(piece)].centre_index);
-      of.shift += centres[e];
-      for (int a = 0; a < 9; ++a) of.product[std::size_t(a)] += arm[a / 3] * centres[e][a % 3];
+    for (const Vec3d& centre : centres) {
+      for (int a = 0; a < 3; ++a) values.push_back(float(centre[a]));
     }
     level->field.add(std::move(values));
     const std::vector<FemReaction> reactions =
@@ -365,39 +348,11 @@ Vec3d LiveResponses::force_n(const LivePose& pose) const {
 std::vector<RigidPose> LiveResponses::piece_poses(const LivePose& pose) const {
   const std::shared_ptr<const Level> at = level(pose.level);
   const std::vector<double> parts = with_base(pose);
-  std::vector<RigidPose> poses;
-  for (std::size_t p = 0; p < m_body.rigid.list.size(); ++p) {
-    RigidPiece at_rest = m_body.rigid.list[p];
-    at_rest.pose = {};
-    Matrix9 products{};  // of places at rest and where they go, from their middles
-    double squares = 0, count = 0;
-    at_rest.elements->for_each([&](Slot slot) {
-      const Vec3d arm = m_body.geometry.world_vector_from_index(
-          Vec3d(voxel_of(m_body.elements, slot)) - at_rest.centre_index);
-      for (std::size_t a = 0; a < 9; ++a) products[a] += arm[int(a / 3)] * arm[int(a % 3)];
-      squares += arm.length2();
-      ++count;
-    });
-    Vec3d shift(0);
-    for (std::size_t n = 0; n < parts.size(); ++n) {
-      const Moments& moments = at->pieces[n][p];
-      shift += moments.shift * (parts[n] / count);
-      for (std::size_t a = 0; a < 9; ++a) products[a] += parts[n] * moments.product[a];
-    }
-    // Six points with the same middles and products have the same fit.
-    const Vec3d from = m_body.geometry.world_from_index(at_rest.centre_index), to = from + shift;
-    const double arm = std::max(std::sqrt(squares / 6), m_radius_mm);
-    RigidFit fit;
-    for (int a = 0; a < 3; ++a) {
-      Vec3d axis(0.0), image;
-      axis[a] = arm;
-      for (int b = 0; b < 3; ++b) image[b] = products[std::size_t(3 * a + b)] / (2 * arm);
-      fit.add(from + axis, to + image);
-      fit.add(from - axis, to - image);
-    }
-    poses.push_back(moved_by(fit.motion(), at_rest, m_body.geometry));
+  std::vector<PieceMoments> sums(m_body.rigid.list.size());
+  for (std::size_t n = 0; n < parts.size(); ++n) {
+    for (std::size_t p = 0; p < sums.size(); ++p) sums[p].add(at->pieces[n][p], parts[n]);
   }
-  return poses;
+  return m_fits.poses(sums);
 }
 
 std::size_t LiveResponses::bytes() const {

@@ -1,4 +1,4 @@
-#include "lib/session/fem/kept_voxels.h"
+#include "lib/session/kept_voxels.h"
 
 #include "lib/session/fem_task.h"
 

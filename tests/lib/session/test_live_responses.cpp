@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/material/material.h"
-#include "lib/session/fem/live_responses.h"
+#include "lib/session/live_responses.h"
 #include "lib/session/session.h"
 #include "tests/support/program.h"
 
@@ -15,19 +15,20 @@ using namespace supple::test;
 
 namespace {
 
-constexpr int kEdge = 14;
-const IndexBox kHandle{{5, 5, 12}, {8, 8, 13}}, kFloor{{0, 0, 0}, {13, 13, 1}};
-const IndexBox kBone{{3, 3, 5}, {9, 6, 7}};
+constexpr int kLiveEdge = 14;
+const IndexBox kLiveHandle{{5, 5, 12}, {8, 8, 13}}, kLiveFloor{{0, 0, 0}, {13, 13, 1}};
+const IndexBox kLiveBone{{3, 3, 5}, {9, 6, 7}};
 
 /// Tissue with a free bone in it.
 class UnitLiveResponses : public ::testing::Test {
  protected:
   UnitLiveResponses() {
     std::string voxels;
-    for (int k = 0; k < kEdge; ++k) {
-      for (int j = 0; j < kEdge; ++j) {
-        for (int i = 0; i < kEdge; ++i) {
-          voxels += char(static_cast<unsigned char>(kBone.contains(Vec3i(i, j, k)) ? 200 : 100));
+    for (int k = 0; k < kLiveEdge; ++k) {
+      for (int j = 0; j < kLiveEdge; ++j) {
+        for (int i = 0; i < kLiveEdge; ++i) {
+          voxels +=
+              char(static_cast<unsigned char>(kLiveBone.contains(Vec3i(i, j, k)) ? 200 : 100));
         }
       }
     }
@@ -48,13 +49,13 @@ class UnitLiveResponses : public ::testing::Test {
   static Step moved(const Vec3d& by_mm, double angle_deg = 0) {
     Step step;
     Drag drag;
-    drag.selection.emplace().box = kHandle;
+    drag.selection.emplace().box = kLiveHandle;
     drag.soft_mm = 2;
     drag.by_mm = by_mm;
     drag.motion.axis_lps = {1, 2, 2};
     drag.motion.angle_deg = angle_deg;
     step.drags.push_back(drag);
-    step.fix = {{kFloor.lo, kFloor.hi}};
+    step.fix = {{kLiveFloor.lo, kLiveFloor.hi}};
     step.fem.emplace();
     step.fem->params.tolerance = 1e-8;
     step.tells_reactions = true;
@@ -124,7 +125,7 @@ TEST_F(UnitLiveResponses, OtherHeldElementsOrAnotherMaterialAreToldAndFiniteStra
 TEST_F(UnitLiveResponses, AHandIsFollowedLevelByLevelAndTheStepAtItsEndIsASum) {
   Session session(m_folder / "block.nhdr", m_options);
   Step rest;
-  rest.fix = {{kFloor.lo, kFloor.hi}};
+  rest.fix = {{kLiveFloor.lo, kLiveFloor.hi}};
   session.step(rest);
   Step grab = moved({0, 0, 0});
   grab.fix.clear();

@@ -22,7 +22,8 @@
 #include <mutex>
 #include <vector>
 
-#include "lib/session/fem/kept_voxels.h"
+#include "lib/session/kept_voxels.h"
+#include "lib/session/piece_moments.h"
 #include "lib/session/session_body.h"
 
 namespace supple {
@@ -68,7 +69,6 @@ class LiveResponses {
 
  private:
   struct Level;
-  struct Moments;
   using Affine = std::array<double, 12>;  // shift, and linear map in rows, about m_about_mm
   Affine affine_of(const DragPose& pose) const;
   std::vector<NodalLoads> loads(const VoxelFemModel& model, Progress* progress);
@@ -80,6 +80,7 @@ class LiveResponses {
   std::shared_ptr<const Level> level(int number) const;
 
   Body m_body;
+  PieceFits m_fits;
   DensityGrid m_density;
   BrickValues m_labels;
   LinkCuts m_cuts;
