@@ -1,6 +1,7 @@
 #include "lib/session/kept_voxels.h"
 
 #include "lib/session/fem_task.h"
+#include "volumes/base/value.h"
 
 namespace supple {
 
@@ -65,6 +66,12 @@ std::string why_no_sum(const FemParams& params) {
   if (params.doublings > 0) return "elements of several voxels";
   if (params.accuracy == FemAccuracy::picture) return "a picture";
   return {};
+}
+
+Value as_value(const ResponseReport& report) {
+  Value value = {{"used", report.used}, {"solved", report.solved}};
+  if (!report.changed.empty()) value["anew_for"] = report.changed;
+  return value;
 }
 
 ResponseKey solid_key(const FemStep& step, const FemTask& task) {

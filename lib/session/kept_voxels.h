@@ -38,6 +38,9 @@ FemLoads loads_of(const FemStep& step, const FemTask& task, const FemSolid& soli
 /// Why a step is not a sum of earlier ones, whatever these were; empty where it may be one.
 std::string why_no_sum(const FemParams& params);
 
+/// The report of a sum as programs read it.
+Value as_value(const ResponseReport& report);
+
 /// The key of the solid of a step: elements, cuts, material, pieces and kind of elements.
 ResponseKey solid_key(const FemStep& step, const FemTask& task);
 

@@ -1,10 +1,10 @@
 #include "tools/scene/run/reports.h"
 
 #include "lib/session/deformable_mesh.h"
+#include "lib/session/kept_voxels.h"
 #include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
 #include "lib/session/tet_record.h"
-#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -139,11 +139,7 @@ Value to_value(const FemRecord& record) {
                 {"setup_ms", report.setup_ms},
                 {"solve_ms", report.solve_ms},
                 {"fem_ms", record.milliseconds}};
-  if (report.responses) {
-    const ResponseReport& of = *report.responses;
-    json["responses"] = {{"used", of.used}, {"solved", of.solved}};
-    if (!of.changed.empty()) json["responses"]["anew_for"] = of.changed;
-  }
+  if (report.responses) json["responses"] = as_value(*report.responses);
   if (record.motion) {
     for (const char* of_equilibria :
          {"residual_rms", "largest_force_n", "force_balance", "energy_identity", "energy_mj",
@@ -159,12 +155,11 @@ Value to_value(const FemRecord& record) {
                                       {"off_voxels", shared.off_voxels}});
   }
   if (report.newton) {
-    const NewtonReport& newton = *report.newton;
-    json["newton"] = {{"load_steps", newton.load_steps},
-                      {"rejected_steps", newton.rejected_steps},
-                      {"corrections", newton.newton_iterations},
-                      {"shortened", newton.shortened_steps},
-                      {"smallest_det_f", newton.smallest_j}};
+    json["newton"] = {{"load_steps", report.newton->load_steps},
+                      {"rejected_steps", report.newton->rejected_steps},
+                      {"corrections", report.newton->newton_iterations},
+                      {"shortened", report.newton->shortened_steps},
+                      {"smallest_det_f", report.newton->smallest_j}};
   }
   if (record.fitted_pieces > 0) {
     json["fitted_pieces"] = record.fitted_pieces;
