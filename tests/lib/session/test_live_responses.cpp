@@ -105,8 +105,8 @@ TEST_F(UnitLiveResponses, AStepOfTheSameHandleIsASumAndCanBeUndone) {
   EXPECT_TRUE(session.undo());
   Session straight(path, m_options);
   straight.step(first);
-  const FemReport& after = session.step(hard({0.5, 0.25, 0})).equilibrium.report;
-  straight.step(hard({0.5, 0.25, 0}));
+  const FemReport& after = session.step(hard({0.5, 0.25, 0.125})).equilibrium.report;
+  straight.step(hard({0.5, 0.25, 0.125}));
   EXPECT_EQ(after.responses->solved, 1);
   EXPECT_EQ(largest_difference(session.body(), straight.body()), 0);
 }
