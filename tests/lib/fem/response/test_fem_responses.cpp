@@ -13,6 +13,13 @@ using namespace supple::test;
 
 namespace {
 
+HeldElements held(SlotSet elements, std::function<Vec3d(const Vec3d&)> displacement_mm) {
+  HeldElements all;
+  all.elements = std::move(elements);
+  all.displacement_mm = std::move(displacement_mm);
+  return all;
+}
+
 constexpr double kTolerance = 1e-9;
 
 FemParams exactly() {
@@ -70,9 +77,9 @@ struct HandledBody {
     for (const SlotSet& handle : handles) {
       const Vec3d about =
           body.geometry.world_from_index(Vec3d(voxel_of(body.elements, handle.first())));
-      all.held.push_back({handle, random_motion(random, about)});
+      all.held.push_back(held(handle, random_motion(random, about)));
     }
-    all.held.push_back({fixed, nullptr});
+    all.held.push_back(held(fixed, nullptr));
     return all;
   }
 };
@@ -132,8 +139,8 @@ TEST(PropertyFemResponses, AStraightWayTakesOneSolutionAPlaneTwoAndARingTwo) {
     for (int n = 1; n <= 6; ++n) {
       FemLoads loads;
       loads.held.push_back(
-          {elements_in(body, {Vec3i(3, 3, 7), Vec3i(5, 4, 7)}), displacement_of(double(n))});
-      loads.held.push_back({elements_in(body, {Vec3i(0, 0, 0), Vec3i(7, 7, 0)}), nullptr});
+          held(elements_in(body, {Vec3i(3, 3, 7), Vec3i(5, 4, 7)}), displacement_of(double(n))));
+      loads.held.push_back(held(elements_in(body, {Vec3i(0, 0, 0), Vec3i(7, 7, 0)}), nullptr));
       const FemSolution solution = model.solve_by(known, loads, {});
       EXPECT_EQ(solution.report.responses->changed, "");
     }
@@ -160,8 +167,8 @@ TEST(UnitFemResponses, LoadsAreABaseSolutionAndOtherHeldElementsForgetAll) {
   ResponseSet known;
   const auto solve = [&](const Vec3d& shift, double force_n, const IndexBox& handle) {
     FemLoads loads;
-    loads.held.push_back({elements_in(body, handle), [=](const Vec3d&) { return shift; }});
-    loads.held.push_back({elements_in(body, {Vec3i(0, 0, 0), Vec3i(5, 5, 0)}), nullptr});
+    loads.held.push_back(held(elements_in(body, handle), [=](const Vec3d&) { return shift; }));
+    loads.held.push_back(held(elements_in(body, {Vec3i(0, 0, 0), Vec3i(5, 5, 0)}), nullptr));
     if (force_n != 0) {
       loads.forces.push_back(
           {elements_in(body, {Vec3i(0, 2, 3), Vec3i(1, 3, 4)}), {force_n, 0, 0}});
@@ -193,9 +200,9 @@ TEST(PropertyFemResponses, SumsHaveTheSameBitsOnAnyNumberOfThreads) {
     std::vector<double> all;
     for (int motion = 0; motion < 3; ++motion) {
       FemLoads loads;
-      loads.held.push_back({elements_in(body, {Vec3i(4, 4, 22), Vec3i(9, 20, 23)}),
-                            random_motion(random, Vec3d(6, 12, 22))});
-      loads.held.push_back({elements_in(body, {Vec3i(0, 0, 0), Vec3i(23, 23, 1)}), nullptr});
+      loads.held.push_back(held(elements_in(body, {Vec3i(4, 4, 22), Vec3i(9, 20, 23)}),
+                                random_motion(random, Vec3d(6, 12, 22))));
+      loads.held.push_back(held(elements_in(body, {Vec3i(0, 0, 0), Vec3i(23, 23, 1)}), nullptr));
       const FemSolution sum = model.solve_by(known, loads, {});
       all.insert(all.end(), sum.u_mm.begin(), sum.u_mm.end());
       for (const FemReaction& reaction : sum.reactions) all.push_back(reaction.force_n.x);
