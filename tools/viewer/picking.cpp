@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/session/step_model.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/base/value.h"
@@ -70,8 +71,28 @@ bool element_at(const BrickTopology& elements, const Vec3d& at_rest, Vec3i& elem
   return found;
 }
 
+/// Label, det F and, where finite elements have settled the body, stress of what is seen at a
+/// place; `element`: the one there, or the nearest.
+void add_values(OpenScene& scene, const Vec3d& index, const RestPlaceAt& rest, const Vec3i& element,
+                Value& json) {
+  const State& state = scene.picture().opened();
+  const std::size_t slot =
+      std::size_t(state.elements.find(element)) * kBrickVoxels + std::size_t(brick_offset(element));
+  if (!state.labels.empty()) json["label"] = state.labels.at(slot);
+  const auto f = rest ? deformation_at(rest, index) : std::nullopt;
+  if (!f) return;
+  json["det_f"] = determinant(*f);
+  const LiveSession& live = scene.live();
+  if (!live.model().waits_for_hands || live.hand().grab || live.has_more()) return;
+  const Session& session = scene.live().session();
+  const MaterialClasses classes(session.material());
+  const int of = session.body().classes[slot];
+  json["stress_kpa"] = von_mises_kpa(*f, state.geometry, classes.physics(of, of).stiffness_kpa,
+                                     classes.poisson_of_class(of));
+}
+
 /// What is seen at a place of the index frame.
-Value place_json(OpenScene& scene, const Vec3d& index) {
+Value place_json(OpenScene& scene, const Vec3d& index, bool has_values) {
   LivePicture& picture = scene.picture();
   const State& state = picture.opened();
   const RestPlaceAt rest = picture.rest_places(false);
@@ -81,7 +102,8 @@ Value place_json(OpenScene& scene, const Vec3d& index) {
   const bool is_element = is_known && element_at(state.elements, at_rest, voxel);
   Value json = {
       {"index", index}, {"lps", state.geometry.world_from_index(index)}, {"element", is_element}};
-  if (is_element) json["voxel"] = {voxel.x, voxel.y, voxel.z};
+  if (is_element) json["voxel"] = voxel;
+  if (is_element && has_values) add_values(scene, index, rest, voxel, json);
   if (is_known) {
     json["rest_lps"] = state.geometry.world_from_index(at_rest);
     json["displacement"] = state.geometry.world_vector_from_index(index - at_rest);
@@ -109,7 +131,8 @@ Value pick_in_space(OpenScene& scene, const PickRequest& request) {
     if (!seen) return nullptr;
     depth = *seen;
     json =
-        place_json(scene, geometry.index_from_world(ray.origin_lps_mm + ray.direction_lps * depth));
+        place_json(scene, geometry.index_from_world(ray.origin_lps_mm + ray.direction_lps * depth),
+                   request.values);
   }
   const double along_view = depth * ray.direction_lps.dot(frame.forward);
   const double pixel_mm = camera.projection == Projection::perspective
@@ -136,7 +159,7 @@ Value pick_in_slice(OpenScene& scene, const PickRequest& request) {
   }
   Vec3d away = pixels.right_mm.cross(pixels.down_mm);
   away = away / away.length();
-  Value json = place_json(scene, index);
+  Value json = place_json(scene, index, request.values);
   json["depth"] = 0;
   json["right"] = along_grid(state.geometry, pixels.right_mm);
   json["down"] = along_grid(state.geometry, pixels.down_mm);
@@ -158,6 +181,7 @@ PickRequest pick_request(Table& table) {
   if (at.size() != 2) table.fail("at", std::to_string(at.size()) + " numbers", "[x, y] in pixels");
   request.at = {at[0], at[1]};
   request.ray_only = table.get<bool>("ray_only").value_or(false);
+  request.values = table.get<bool>("values").value_or(false);
   table.finish();
   return request;
 }

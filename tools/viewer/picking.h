@@ -10,6 +10,7 @@ struct PickRequest {
   int view = 0;
   std::array<double, 2> at{};
   bool ray_only = false;
+  bool values = false;  // label, det F and stress, too
 };
 /// Throws InputError.
 PickRequest pick_request(Table& table);

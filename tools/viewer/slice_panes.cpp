@@ -23,6 +23,34 @@ std::optional<GridGradient> deformation_gradient(const Displacement& moved, cons
   });
 }
 
+/// Columns of F in mm, on the axes of LPS.
+GridGradient columns_mm(const GridGradient& f, const Geometry& geometry) {
+  GridGradient columns;
+  for (int a = 0; a < 3; ++a) {
+    Vec3d axis(0);
+    axis[a] = 1;
+    const Vec3d steps = geometry.index_vector_from_world(axis);
+    columns[std::size_t(a)] =
+        geometry.world_vector_from_index(f[0] * steps.x + f[1] * steps.y + f[2] * steps.z);
+  }
+  return columns;
+}
+
+/// E = (F^T F - 1) / 2, its trace and the sum of its squares.
+struct GreenStrain {
+  explicit GreenStrain(const GridGradient& columns) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      for (std::size_t b = 0; b < 3; ++b) {
+        at[a][b] = (columns[a].dot(columns[b]) - (a == b ? 1 : 0)) / 2;
+        trace += a == b ? at[a][b] : 0;
+        squares += at[a][b] * at[a][b];
+      }
+    }
+  }
+  std::array<std::array<double, 3>, 3> at;
+  double trace = 0, squares = 0;
+};
+
 double energy_of_class(const MaterialClasses& classes, int of, const GridGradient& f,
                        const Geometry& geometry) {
   return strain_energy_kpa(f, geometry, classes.physics(of, of).stiffness_kpa,
@@ -37,25 +65,40 @@ ValueColours colours_of(FieldOverlay overlay) {
 
 double strain_energy_kpa(const GridGradient& f, const Geometry& geometry, double young_kpa,
                          double poisson) {
-  std::array<Vec3d, 3> columns;  // of F in mm
-  for (int a = 0; a < 3; ++a) {
-    Vec3d axis(0);
-    axis[a] = 1;
-    const Vec3d steps = geometry.index_vector_from_world(axis);
-    columns[std::size_t(a)] =
-        geometry.world_vector_from_index(f[0] * steps.x + f[1] * steps.y + f[2] * steps.z);
-  }
-  double trace = 0, squares = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t b = 0; b < 3; ++b) {
-      const double strain = (columns[a].dot(columns[b]) - (a == b ? 1 : 0)) / 2;
-      trace += a == b ? strain : 0;
-      squares += strain * strain;
-    }
-  }
+  const GreenStrain e(columns_mm(f, geometry));
   const double lambda = young_kpa * poisson / ((1 + poisson) * (1 - 2 * poisson));
   const double mu = young_kpa / (2 * (1 + poisson));
-  return lambda / 2 * trace * trace + mu * squares;
+  return lambda / 2 * e.trace * e.trace + mu * e.squares;
+}
+
+double von_mises_kpa(const GridGradient& f, const Geometry& geometry, double young_kpa,
+                     double poisson) {
+  const GridGradient columns = columns_mm(f, geometry);
+  const GreenStrain e(columns);
+  const double lambda = young_kpa * poisson / ((1 + poisson) * (1 - 2 * poisson));
+  const double mu = young_kpa / (2 * (1 + poisson));
+  const double volume = std::abs(determinant(columns));
+  // Cauchy's stress is F S F^T / J with S = lambda tr E + 2 mu E.
+  std::array<std::array<double, 3>, 3> stress{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      const double s = (a == b ? lambda * e.trace : 0) + 2 * mu * e.at[a][b];
+      for (int n = 0; n < 3; ++n) {
+        for (int m = 0; m < 3; ++m) {
+          stress[std::size_t(n)][std::size_t(m)] += columns[a][n] * s * columns[b][m] / volume;
+        }
+      }
+    }
+  }
+  const double mean = (stress[0][0] + stress[1][1] + stress[2][2]) / 3;
+  double squares = 0;
+  for (std::size_t n = 0; n < 3; ++n) {
+    for (std::size_t m = 0; m < 3; ++m) {
+      const double part = stress[n][m] - (n == m ? mean : 0);
+      squares += part * part;
+    }
+  }
+  return std::sqrt(1.5 * squares);
 }
 
 OverlayField::OverlayField(FieldOverlay overlay, const Session& session, const State& opened,

@@ -33,6 +33,9 @@ ValueColours colours_of(FieldOverlay overlay);
 /// kPa of an isotropic solid that has deformed by F between places of the grid.
 double strain_energy_kpa(const GridGradient& f, const Geometry& geometry, double young_kpa,
                          double poisson);
+/// Von Mises' measure of Cauchy's stress in the same solid, kPa.
+double von_mises_kpa(const GridGradient& f, const Geometry& geometry, double young_kpa,
+                     double poisson);
 
 class OverlayField {
  public:

@@ -223,7 +223,8 @@ void Viewer::answer_later(int page, const PageMessage& message, const Question& 
         if (reads_body) m_progress.end();
       },
       reads_body ? TaskKind::reads : TaskKind::looks);
-  interrupt();
+  // Values under a pointer that passes wait for a picture rather than to begin it anew.
+  if (!message.value["values"].is_truth()) interrupt();
 }
 
 /// Numbers a message; numbers are noted before anything can be shown that has them.

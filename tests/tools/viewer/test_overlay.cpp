@@ -56,6 +56,23 @@ TEST(UnitOverlay, AStretchAndAShearHaveTheEnergyOfASaintVenantKirchhoffSolid) {
               1e-12);
 }
 
+TEST(UnitOverlay, StressIsThatOfTheSolidWhicheverWayItTurns) {
+  const Geometry geometry = oblique();
+  const double c = std::cos(0.7), s = std::sin(0.7);
+  // F = R diag(a, b, b): S is diagonal, and Cauchy's stress has a^2 S1 / J and b^2 S2 / J.
+  const double a = 1.3, b = 0.9, e1 = (a * a - 1) / 2, e2 = (b * b - 1) / 2;
+  const double all = kLambda * (e1 + 2 * e2), volume = a * b * b;
+  const double along = a * a * (all + 2 * kMu * e1) / volume;
+  const double across = b * b * (all + 2 * kMu * e2) / volume;
+  const GridGradient f = on_grid(geometry, {a * c, a * s, 0}, {-b * s, b * c, 0}, {0, 0, b});
+  EXPECT_NEAR(von_mises_kpa(f, geometry, kYoung, kPoisson), along - across, 1e-12);
+  // A pull of little strain: Young's modulus times it.
+  const double e = 1e-6;
+  const GridGradient pull =
+      on_grid(geometry, {1 + e, 0, 0}, {0, 1 - kPoisson * e, 0}, {0, 0, 1 - kPoisson * e});
+  EXPECT_NEAR(von_mises_kpa(pull, geometry, kYoung, kPoisson) / (kYoung * e), 1, 1e-4);
+}
+
 TEST(UnitOverlay, NothingIsPaintedWhereNothingHasChanged) {
   const auto paint = [](ScalarRange range, std::optional<double> clear) {
     return ValuePaint{{}, range, ValueColours::ascending, clear};

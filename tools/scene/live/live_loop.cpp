@@ -142,7 +142,7 @@ void LiveLoop::do_posted(const PostedEvent& posted) {
   } else {
     show(posted.event, posted.posted);
   }
-  m_last_event = Clock::now();
+  if (!posted.task || posted.kind == TaskKind::moves) m_last_event = Clock::now();
 }
 
 /// A piece of what leaves the body alone, while that is being moved; `all`: other work and better

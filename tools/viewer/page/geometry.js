@@ -76,3 +76,8 @@ export function scaleBar(mmPerPixel, room) {
   const mm = [5, 2, 1].find((factor) => factor * power <= most) * power;
   return {mm, pixels: mm / mmPerPixel};
 }
+
+const kSides = [['L', 'R'], ['P', 'A'], ['S', 'I']];
+
+/// A place as radiologists read it: R 12.0, A 30.5, S 4.0.
+export const sidesText = (lps) => lps.map((mm, a) => `${kSides[a][mm < 0 ? 1 : 0]} ${Math.abs(mm).toFixed(1)}`).join(', ');

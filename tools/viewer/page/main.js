@@ -15,6 +15,7 @@ import {LookPanel} from './panels/look_panel.js';
 import {MaterialPanel} from './panels/material_panel.js';
 import {ScenePanel} from './panels/scene_panel.js';
 import {exposed} from './exposed.js';
+import {PointerValues} from './pointer_values.js';
 import {nextSize} from './grab_stroke.js';
 import {LeftSession} from './left_session.js';
 
@@ -28,6 +29,7 @@ class App {
     this.settingListeners = [];
     this.slices = new Slices(this.session);
     this.tools = new Tools(this);
+    this.pointerValues = new PointerValues(this);
     this.layout = new Layout(this, document.getElementById('views'));
     this.views = [new SliceView(this, 'axial'), new SpaceView(this), new SliceView(this, 'coronal'), new SliceView(this, 'sagittal')];
     this.layout.root.append(...this.views.map((view) => view.root));

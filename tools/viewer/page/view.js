@@ -116,6 +116,7 @@ export class View {
     this.app.activate(this);
     this.app.sizesChanged();
     this.pointer = place;
+    this.app.pointerValues.clear();
     if (this.app.tools.press(this, place)) return;
     this.motion = this.motionOf(place);
     this.motionStarts(place);
@@ -136,10 +137,13 @@ export class View {
   hover(place) {
     this.pointer = place;
     this.app.hovered = this;
-    if (!this.app.tools.move(this, place)) this.hovers(place);
+    if (this.app.tools.move(this, place)) return this.app.pointerValues.clear();
+    this.hovers(place);
+    this.app.pointerValues.moved(this, place);
   }
   leave() {
     this.pointer = null;
+    this.app.pointerValues.clear();
     if (this.app.hovered === this) this.app.hovered = null;
     this.refresh();
   }

@@ -1,12 +1,8 @@
 // What is open: the volume, the place under the cross-hair, memory, and the log of warnings.
 
 import {bytesText, element, field, number, section, short, show} from '../elements.js';
+import {sidesText} from '../geometry.js';
 import {length} from '../vectors.js';
-
-const kSides = [['L', 'R'], ['P', 'A'], ['S', 'I']];
-
-/// A place as radiologists read it: R 12.0, A 30.5, S 4.0.
-export const sidesText = (lps) => lps.map((mm, a) => `${kSides[a][mm < 0 ? 1 : 0]} ${Math.abs(mm).toFixed(1)}`).join(', ');
 
 export class ScenePanel {
   constructor(app, root) {

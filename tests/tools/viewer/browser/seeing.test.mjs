@@ -1,0 +1,165 @@
+// What the page tells and shows of a body without changing it, in Chromium: values under the pointer
+// against the volume's file; how long values take is told, not judged.
+
+import assert from 'node:assert/strict';
+import {existsSync, readFileSync, writeFileSync} from 'node:fs';
+import {loadavg} from 'node:os';
+import {join} from 'node:path';
+import {after, before, test} from 'node:test';
+import {Chromium, kChromium, sleep} from './chromium.mjs';
+import {Folder, kSupple, Server, View} from './supple_view.mjs';
+import {distance, length, minus} from '../../../../tools/viewer/page/vectors.js';
+
+const missing = !kChromium ? 'no chromium' : !existsSync(kSupple) ? `no ${kSupple}` : false;
+if (process.env.SUPPLE_BROWSER_REQUIRED && missing) throw new Error(missing);
+
+const kWindow = {width: 1100, height: 760};
+const kViews = ['3d', 'axial', 'coronal', 'sagittal'];
+let folder, server, browser, page, view, densities, volume;
+
+let failed = false;
+function step(name, run) {
+  test(name, {skip: missing, timeout: 120000}, async (t) => {
+    if (failed) return t.skip('an earlier step failed');
+    failed = true;
+    await run(t);
+    assert.deepEqual(page.errors, [], 'errors on the console');
+    failed = false;
+  });
+}
+const keep = async (name) => {
+  if (process.env.SUPPLE_KEEP) writeFileSync(join(process.env.SUPPLE_KEEP, name), await page.picture());
+};
+
+const labelOf = ([i, j, k]) => 1 + Number(i >= 48) + 2 * Number(k >= 27);
+
+before(async () => {
+  if (missing) return;
+  folder = new Folder();
+  const header = readFileSync(folder.at('head.nhdr'), 'latin1');
+  densities = new Int16Array(new Uint8Array(readFileSync(folder.at('head.raw'))).buffer);
+  const labels = new Uint8Array(96 * 96 * 54);
+  for (let n = 0; n < labels.length; ++n) labels[n] = labelOf([n % 96, Math.floor(n / 96) % 96, Math.floor(n / 9216)]);
+  writeFileSync(folder.at('labels.raw'), labels);
+  writeFileSync(folder.at('labels.nhdr'), header.replace('int16', 'uint8').replace('head.raw', 'labels.raw'));
+  writeFileSync(folder.at('scene.toml'), '[volume]\npath = "head.nhdr"\n[labels]\npath = "labels.nhdr"\n[material]\npreset = "soft-tissue"\n');
+  server = await Server.start(folder.at('scene.toml'), '--folder', folder.path);
+  browser = await Chromium.start();
+  page = await browser.page(server.address, kWindow);
+  view = new View(page);
+  await view.until('the volume is open', 'window.supple && $scene && $views["3d"].count', 60);
+  await view.settled(60);
+  volume = await view.get('scene.volume');
+});
+after(async () => {
+  await browser?.stop();
+  await server?.stop('SIGKILL');
+  folder?.remove();
+});
+
+/// The hit of the pointer at a place of the window, as it is told once the pointer rests there.
+async function valuesAt(x, y) {
+  await page.move(x, y);
+  await view.until('values are told', `$pointer.at && Math.hypot($pointer.at[0] - ${x}, $pointer.at[1] - ${y}) < 0.01`);
+  return view.get('pointer');
+}
+const partOf = async (name, [fx, fy]) => {
+  const {x, y, width, height} = await page.box(`#view-${name} .picture`);
+  return [x + Math.round(fx * width), y + Math.round(fy * height)];
+};
+
+/// The volume's file between its voxels.
+function densityAt(index) {
+  const low = index.map(Math.floor);
+  let sum = 0;
+  for (let corner = 0; corner < 8; ++corner) {
+    const at = low.map((v, a) => v + ((corner >> a) & 1));
+    const weight = at.reduce((w, v, a) => w * (1 - Math.abs(index[a] - v)), 1);
+    sum += weight * densities[at[0] + 96 * (at[1] + 96 * at[2])];
+  }
+  return sum;
+}
+
+async function drag([x, y], [dx, dy]) {
+  await page.move(x, y);
+  await page.key('g');
+  await view.until('the handle is there', '$scene.grab');
+  for (let i = 1; i <= 6; ++i) {
+    await page.move(x + dx * i / 6, y + dy * i / 6);
+    await sleep(20);
+  }
+  await page.key('Enter');
+  await view.until('the drag is carried out', '$carriedOut >= $sent && !$scene.grab', 30);
+  await view.settled(60);
+}
+
+step('values under the pointer are those of the files, in all views', async () => {
+  for (const name of kViews) {
+    for (const part of [[0.5, 0.5], [0.42, 0.55], [0.56, 0.45]]) {
+      const [x, y] = await partOf(name, part);
+      const {lines, hit} = await valuesAt(x, y);
+      const shown = await page.eval(`supple.place('${name}', ${JSON.stringify(hit.lps)})`);
+      assert.ok(Math.hypot(shown[0] - x, shown[1] - y) < 0.6, `${name}: the place lies under the pointer`);
+      assert.ok(Math.abs(hit.density - densityAt(hit.index)) < 0.01, `${name}: ${hit.density} instead of ${densityAt(hit.index)}`);
+      assert.equal(hit.label, labelOf(hit.voxel), `${name}: label at ${hit.voxel}`);
+      assert.ok(distance(hit.voxel, hit.index) < (name === '3d' ? 4 : 0.9));
+      const affine = volume.affine;
+      const lps = [0, 1, 2].map((r) => affine[4 * r + 3] + [0, 1, 2].reduce((s, c) => s + affine[4 * r + c] * hit.index[c], 0));
+      assert.ok(distance(lps, hit.lps) < 1e-6);
+      assert.equal(lines[0], `voxel ${hit.index.map((v) => Math.round(v)).join(', ')}`);
+      assert.match(lines[1], /^[LR] [\d.]+, [AP] [\d.]+, [SI] [\d.]+ mm$/);
+      assert.ok(lines[2].endsWith(`label ${hit.label}`), lines[2]);
+      assert.equal(lines[3], 'moved 0.00 mm');
+    }
+  }
+  await page.move(...await page.middle('#toolbar .brand'));
+  await page.until('nothing is told elsewhere', `!document.querySelector('.pointer-values')`);
+});
+
+step('tissue tells how far it has moved, its change of volume and, by finite elements, its stress', async () => {
+  await page.eval(`document.getElementById('tab-deform').click()`);
+  const [x, y] = await partOf('3d', [0.5, 0.5]);
+  await page.eval(`(() => { for (const [name, value] of [['radius', 20], ['soft', 0]]) {
+    const input = document.getElementById('setting-' + name);
+    input.value = value; input.dispatchEvent(new Event('change')); } })()`);
+  await drag([x, y], [30, 12]);
+  const [handle] = (await view.get('scene')).handles;
+  const way = minus(handle.lps, handle.rest_lps);
+  assert.ok(length(way) > 3);
+  const [hx, hy] = await page.eval(`supple.place('3d', ${JSON.stringify(handle.lps)})`);
+  const {lines, hit} = await valuesAt(Math.round(hx), Math.round(hy));
+  assert.ok(distance(hit.displacement, way) < 0.05, `${hit.displacement} instead of ${way}`);
+  assert.ok(distance(hit.rest_lps.map((v, a) => v + way[a]), hit.lps) < 0.05);
+  assert.ok(Math.abs(hit.det_f - 1) < 0.01, 'a handle keeps its volume');
+  assert.equal(lines[3], `moved ${length(hit.displacement).toFixed(2)} mm from ${hit.voxel.join(', ')}`);
+  assert.ok(lines[4].startsWith('det F') && !/kPa/.test(lines[4]), 'ChainMail knows of no stress');
+  await keep('values.png');
+
+  await page.key('Control+z');
+  await view.until('it is taken back', '$carriedOut >= $sent && !$scene.undo.length');
+  await page.eval(`(() => { const list = document.getElementById('model'); list.value = 'fem'; list.dispatchEvent(new Event('change')); })()`);
+  await view.until('finite elements are chosen', '$scene.model === "fem"');
+  await page.move(...await partOf('3d', [0.5, 0.3]));
+  await page.key('a');
+  await view.until('tissue is fixed', '$scene.anchors.length === 1');
+  await drag([x, y], [24, 0]);
+  const stressed = await valuesAt(Math.round(x + 50), Math.round(y));
+  assert.ok(stressed.hit?.stress_kpa > 0 && stressed.hit.det_f > 0.5, JSON.stringify(stressed.hit));
+  assert.match(stressed.lines[4], /^det F [\d.]+, [\d.e-]+ kPa$/);
+});
+
+step('values follow the pointer', async (t) => {
+  for (const name of kViews) {
+    const from = await partOf(name, [0.35, 0.4]), to = await partOf(name, [0.65, 0.6]);
+    const before = (await view.get('pointer')).times.length;
+    for (let i = 0; i <= 60; ++i) {
+      await page.move(...from.map((v, a) => v + (to[a] - v) * i / 60));
+      await sleep(16);
+    }
+    await sleep(100);
+    const times = (await view.get('pointer')).times.slice(before).sort((a, b) => a - b);
+    assert.ok(times.length > 10, 'one question after the other');
+    const at = (part) => times[Math.ceil(part * times.length) - 1].toFixed(1);
+    t.diagnostic(`${name}: from pointer to values ${at(0.5)} ms in the median, ${at(0.95)} ms at the 95th percentile of ${times.length}, load ${loadavg()[0].toFixed(1)}`);
+  }
+});
