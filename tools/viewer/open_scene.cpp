@@ -33,7 +33,7 @@ double rounded_up(double length) {
 LiveFrame frame_for(const ViewSettings& settings, double budget_ms) {
   PixelSize size = settings.sizes[0];
   if (size[0] == 0 || size[1] == 0) size = {64, 64};  // hidden
-  return {size, settings.deformed, budget_ms};
+  return {size, settings.deformed(), budget_ms, settings.deformed() ? settings.amount : 1};
 }
 
 }  // namespace
@@ -96,7 +96,8 @@ void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
                                 settings.slices.overlay_in_space != before.overlay_in_space ||
                                 settings.slices.outline_in_space != before.outline_in_space;
   const bool is_other_picture = settings.sizes[0] != m_settings.sizes[0] ||
-                                settings.deformed != m_settings.deformed || is_other_overlay;
+                                settings.amount != m_settings.amount || is_other_overlay;
+  if (settings.amount != m_settings.amount) m_moves_view = false;
   m_settings = settings;
   if (is_other_overlay) choose_painter();
   for (int view = 1; view < kViewCount; ++view) m_stale[std::size_t(view)] = 1;
@@ -128,7 +129,7 @@ void OpenScene::choose_painter() {
       const OverlayField field(m_settings.slices.overlay, m_live.session(), opened, rest);
       paint_values(seen, camera, field.paint(overlay_range()), opened.geometry);
     }
-    if (m_rest_outline && m_settings.deformed) m_rest_outline->draw(seen, camera);
+    if (m_rest_outline && m_settings.deformed()) m_rest_outline->draw(seen, camera);
   });
 }
 

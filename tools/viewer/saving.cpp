@@ -138,7 +138,7 @@ void save_slices(OpenScene& scene, const SaveRequest& request) {
   choice.outline = slices.outline;
   Decoration decoration;
   decoration.annotate = {"all"};
-  const bool deformed = scene.settings().deformed;
+  const bool deformed = scene.settings().deformed();
   const OffsetField* offsets =
       deformed ? &scene.live().session().pose(&scene.progress()).offsets : nullptr;
   const SliceSource source{state.geometry, state.density, deformed ? &state.elements : nullptr,

@@ -166,7 +166,8 @@ Value SceneDescription::told(bool is_moving, const ScalarRange& overlay_range) {
                    {"transfer", transfer_json(look_of(view))},
                    {"clips", clips}};
   scene["slices"] = shown_slices(m_settings.slices, overlay_range);
-  scene["deformed"] = m_settings.deformed;
+  scene["deformed"] = m_settings.deformed();
+  scene["amount"] = m_settings.amount;
   return scene;
 }
 

@@ -9,7 +9,9 @@ namespace supple::tools {
 struct ViewSettings {
   std::array<PixelSize, kViewCount> sizes{PixelSize{512, 512}, {0, 0}, {0, 0}, {0, 0}};
   SliceSettings slices;
-  bool deformed = true;
+  double amount = 1;  // of the displacement: 0 at rest, 1 as the body is
+
+  bool deformed() const { return amount > 0; }
 };
 
 }  // namespace supple::tools

@@ -15,6 +15,7 @@ namespace supple::tools {
 namespace {
 
 constexpr int kLargestSide = 4096;  // of a view, pixels
+constexpr double kMostAmount = 3;
 
 /// What is asked of the open scene, its value read and checked.
 std::function<Value(OpenScene&)> question_of(const PageMessage& message, const Folders& folders) {
@@ -40,6 +41,14 @@ PixelSize size_of(Table& table, const char* view, const PixelSize& before) {
     table.fail(view, "another size", "[width, height], integers from 0 to 4096");
   }
   return {int((*given)[0]), int((*given)[1])};
+}
+
+/// Displacement times this is shown.
+double amount_of(const Value& value) {
+  if (value.is_truth()) return value.truth() ? 1 : 0;
+  const double amount = value.is_number() ? value.number() : -1;
+  if (amount >= 0 && amount <= kMostAmount) return amount;
+  throw InputError({"deformed", "", "another value", "true, false or a number from 0 to 3"});
 }
 
 }  // namespace
@@ -180,11 +189,9 @@ void Viewer::take_ack(int page, const PageMessage& message) {
 void Viewer::take_wish(const PageMessage& message) {
   if (message.verb == "size") return take_size(message);
   if (message.verb == "slices") return take_slices(message);
-  if (!message.value.is_truth()) {
-    throw InputError({"deformed", "", "no truth value", "true or false"});
-  }
+  const double amount = amount_of(message.value);
   const std::lock_guard lock(m_guard);
-  m_settings.deformed = message.value.truth();
+  m_settings.amount = amount;
 }
 
 /// Cancels the operation under way, and the moves that wait.

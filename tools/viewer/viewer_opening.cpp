@@ -42,7 +42,7 @@ void Viewer::open(const OpenedFile& file, const std::string& input, const std::s
     const std::lock_guard lock(m_guard);
     settings = m_settings;
   }
-  settings.deformed = true;
+  settings.amount = 1;
   m_next = std::make_unique<OpenScene>(file.root, m_options.budget_ms, settings,
                                        SceneOutlets{m_pages, m_encoder, m_progress, m_console});
   m_next->assume(file.assumed);

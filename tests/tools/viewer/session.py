@@ -183,6 +183,11 @@ def cuts_slices_and_settings(server, folder):
     rest = page.settle(view="3d")
     page.ask(deformed=True)
     expect(page.settle(view="3d").picture != rest.picture, "at rest it looks otherwise")
+    page.ask(deformed=0.5)
+    half = page.settle(view="3d").picture
+    expect(half not in (plain, rest.picture) and page.carried_out()["amount"] == 0.5, page.scene["amount"])
+    page.ask(deformed=1)
+    expect(page.settle(view="3d").picture == plain, "and all of it as before")
     page.event("limits", limits="tighten")
     page.event("model", model="springs")
     scene = page.carried_out()
@@ -233,7 +238,7 @@ def looks_and_questions(server, folder):
     expect(page.ask(pick={"view": "3d", "at": [0.5, 0.5]}) is None, "a corner is empty")
     for message in ({"event": {"kind": "drag", "to": [1, 2]}}, {"event": {"kind": "no"}},
                     {"event": {"kind": "grab"}}, {"size": {"3d": [-1, 5]}}, {"pick": {}},
-                    {"size": {"4d": [5, 5]}}, {"slices": {"window": 0}}, {"deformed": 1},
+                    {"size": {"4d": [5, 5]}}, {"slices": {"window": 0}}, {"deformed": 3.1}, {"deformed": "half"},
                     {"options": {"kind": "no"}}, {"histogram": {"bins": 1}},
                     {"event": {"kind": "look", "preset": "no"}}, {"list": 5}):
         try:

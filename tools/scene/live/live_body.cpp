@@ -27,6 +27,9 @@ void LiveBody::open(Interpolation interpolation) {
   m_moved = std::make_unique<LiveDisplacement>(m_state.geometry, m_state.elements,
                                                m_state.density.bricks());
   m_moved->update(m_state.q);
+  m_scaled.reset();
+  m_amount = 1;
+  scale({});
   m_cuts = m_session.cuts();
   m_inversion = new_inversion();
   m_forward = std::make_shared<ForwardOffsets>(displacement(), &m_state.elements);
@@ -39,13 +42,46 @@ void LiveBody::open(Interpolation interpolation) {
   m_is_stale = false;
 }
 
+/// Brings m_scaled up to date where the displacement or the amount changed; returns the bricks in
+/// which what is shown did.
+std::vector<std::int32_t> LiveBody::scale(const std::vector<std::int32_t>& changed) {
+  if (!m_scaled && m_next_amount == 1) return changed;
+  const VectorBricks& moved = m_moved->displacement().u;
+  std::vector<std::int32_t> bricks = changed;
+  if (m_next_amount != m_amount) {
+    for (std::size_t b = 0; b < moved.topology.brick_count(); ++b) {
+      const bool is_shown = m_scaled && m_scaled->u.vectors.brick(b) != nullptr;
+      if (is_shown || moved.vectors.brick(b) != nullptr) bricks.push_back(std::int32_t(b));
+    }
+    std::sort(bricks.begin(), bricks.end());
+    bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
+  }
+  m_amount = m_next_amount;
+  if (!m_scaled) {
+    m_scaled = std::make_unique<Displacement>(m_moved->displacement());
+    // These refer to the displacement that is shown.
+    if (m_forward) m_forward = std::make_shared<ForwardOffsets>(*m_scaled, &m_state.elements);
+    if (m_shown == Shown::forward) m_shown = Shown::nothing;
+    m_for_forward.clear();
+  }
+  const float factor = float(m_amount);
+  BrickVectors& shown = m_scaled->u.vectors;
+  for (const std::int32_t brick : bricks) {
+    const std::size_t b = std::size_t(brick);
+    const Vec3f* const from = moved.vectors.brick_or_zero(b);
+    Vec3f* const to = shown.touch(b);
+    for (int n = 0; n < kBrickVoxels; ++n) to[n] = from[n] * factor;
+  }
+  return bricks;
+}
+
 bool LiveBody::follow() {
   const Body& body = m_session.body();
   if (!(body.elements == m_state.elements)) {
     open(m_interpolation);
     return true;
   }
-  const std::vector<std::int32_t> changed = m_moved->update(body.q);
+  const std::vector<std::int32_t> changed = scale(m_moved->update(body.q));
   m_for_forward.insert(changed.begin(), changed.end());
   m_for_inverse.insert(changed.begin(), changed.end());
   const LinkCuts& cuts = m_session.cuts();

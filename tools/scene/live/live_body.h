@@ -29,8 +29,11 @@ class LiveBody {
   Interpolation interpolation() const { return m_interpolation; }
   /// Number of times that it was opened: each time it has another renderer.
   int opened_count() const { return m_opened_count; }
-  /// Takes over what the session has done since; false where that is nothing.
+  /// Takes over what the session has done since, and the amount; false where that is nothing.
   bool follow();
+  /// Shows the body with its displacement times this from the next follow() on: a picture between
+  /// rest and what it is, or beyond. The session does not know of it.
+  void set_amount(double amount) { m_next_amount = amount; }
 
   /// Choose the field that the renderer reads from now on, and bring it up to date.
   void show_forward();
@@ -46,7 +49,10 @@ class LiveBody {
   bool shows_forward() const { return m_shown == Shown::forward; }
 
   const State& opened() const { return m_state; }  // its q and cuts are not kept up to date
-  const Displacement& displacement() const { return m_moved->displacement(); }
+  /// Displacement that is shown.
+  const Displacement& displacement() const {
+    return m_scaled ? *m_scaled : m_moved->displacement();
+  }
   const LinkCuts& cuts() const { return m_cuts; }  // as they were followed last
   const Renderer& renderer() const { return *m_renderer; }
   const ForwardOffsets& forward() const { return *m_forward; }
@@ -56,6 +62,7 @@ class LiveBody {
  private:
   using Changed = std::set<std::int32_t>;
   static std::vector<std::int32_t> take(Changed& changed);
+  std::vector<std::int32_t> scale(const std::vector<std::int32_t>& changed);
   std::vector<Vec3i> update_inverse();
   std::unique_ptr<IncrementalCutInversion> new_inversion();
 
@@ -65,6 +72,8 @@ class LiveBody {
   State m_state;
   int m_opened_count = 0;
   std::unique_ptr<LiveDisplacement> m_moved;
+  std::unique_ptr<Displacement> m_scaled;  // null until another amount than 1 is asked for
+  double m_amount = 1, m_next_amount = 1;
   std::shared_ptr<ForwardOffsets> m_forward;
   std::unique_ptr<IncrementalCutInversion> m_inversion;
   std::unique_ptr<Renderer> m_renderer;

@@ -209,6 +209,7 @@ bool LiveLoop::go_on(EventMailbox* mailbox) {
 
 void LiveLoop::set_frame(const LiveFrame& frame) {
   m_frame = frame;
+  m_picture.set_amount(frame.amount);
   m_picture.look(framed(m_live.view()));
   draw(Stopwatch());
 }

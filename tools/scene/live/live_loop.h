@@ -47,6 +47,7 @@ struct LiveFrame {
   PixelSize size{512, 512};
   bool deformed = true;
   double budget_ms = 50;  // from event to first pixels; 0: as long as it takes
+  double amount = 1;      // of the displacement that a deformed body is shown with
 };
 
 class LiveLoop {

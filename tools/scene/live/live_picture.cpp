@@ -210,6 +210,10 @@ void LivePicture::paint_with(Painter painter) {
   m_impl->is_new = true;
 }
 
+void LivePicture::set_amount(double amount) {
+  m_impl->body.set_amount(amount);
+}
+
 bool LivePicture::follow() {
   const int opened_count = m_impl->body.opened_count();
   if (m_impl->body.follow()) m_impl->is_new = true;

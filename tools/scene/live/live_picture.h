@@ -44,6 +44,8 @@ class LivePicture {
   /// Paints over what is seen, whose depths it has, before marks are drawn; empty: nobody.
   using Painter = std::function<void(FloatImage& picture, const Camera& camera)>;
   void paint_with(Painter painter);
+  /// Shows the body with its displacement times this from the next follow() on.
+  void set_amount(double amount);
   /// Follows the body, which may have moved; true if it has, or the view is another.
   bool follow();
   /// Follows the view while the body is being moved: it is seen as it was followed last.

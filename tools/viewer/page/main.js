@@ -187,8 +187,28 @@ class App {
   }
   showDeformed(deformed) {
     if (!this.session.scene) return;
-    this.session.ask('deformed', deformed).catch((error) => this.say(error.message));
+    this.showAmount(Number(deformed));
     this.say(deformed ? 'The deformed body' : 'The body at rest');
+  }
+  /// Part of the displacement that is shown: as it was asked for last, until the server has said it.
+  amount() { return this.askedAmount ?? this.session.scene?.amount ?? 1; }
+  async showAmount(amount) {
+    this.askedAmount = amount;
+    this.toolbar.refresh();
+    if (this.isAskingAmount || !this.session.scene) return;
+    this.isAskingAmount = true;
+    try {
+      for (let sent = null; sent !== this.askedAmount;) {
+        sent = this.askedAmount;
+        await this.session.ask('deformed', sent);
+      }
+      if (this.session.scene) this.session.scene.amount = this.askedAmount;
+    } catch (error) {
+      this.say(error.message);
+    }
+    this.isAskingAmount = false;
+    this.askedAmount = null;
+    this.toolbar.refresh();
   }
   resizeBrush(steps) {
     this.settings.radius = nextSize(this.settings.radius, steps);

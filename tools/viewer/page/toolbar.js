@@ -17,6 +17,8 @@ export class Toolbar {
     this.undo.addEventListener('click', () => app.act('undo'));
     this.redo.addEventListener('click', () => app.act('redo'));
     this.deformed.addEventListener('click', () => app.act('deformed'));
+    this.amount = at('amount');
+    this.amount.addEventListener('input', () => app.showAmount(this.amount.valueAsNumber / 100));
     at('help').addEventListener('click', () => app.help.show());
     at('banner-retry').addEventListener('click', () => app.session.connection.retry());
     this.panelButton = at('toggle-panel');
@@ -84,7 +86,11 @@ export class Toolbar {
     this.redo.disabled = !scene?.redo?.length;
     this.deformed.disabled = !scene;
     this.deformed.setAttribute('aria-pressed', String(scene?.deformed ?? true));
+    const amount = this.app.amount();
     this.deformed.textContent = scene && !scene.deformed ? 'At rest' : 'Deformed';
+    this.amount.disabled = !scene;
+    this.amount.value = Math.round(100 * amount);
+    document.getElementById('amount-text').textContent = `${Math.round(100 * amount)} %`;
     for (const tool of this.tools) {
       tool.setAttribute('aria-pressed', String(tool.dataset.tool === tools.name));
       tool.disabled = !scene;

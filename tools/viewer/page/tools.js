@@ -61,8 +61,13 @@ export class Tools {
   /// Fields tell their values when they lose the focus, before the stroke asks for them.
   grabAt(view, place) {
     this.stroke?.cancel();
+    this.showBody();
     view.picture.focus({preventScroll: true});
     this.begin(new GrabStroke(this, view, place));
+  }
+  /// Hands and cuts meet the body itself, not a part of its displacement.
+  showBody() {
+    if (this.app.amount() !== 1) this.app.showAmount(1);
   }
   begin(stroke) {
     this.stroke = stroke;
@@ -106,6 +111,7 @@ export class Tools {
     }
     const Stroke = kStrokes[this.name];
     if (!Stroke) return false;
+    if (Stroke !== MeasureStroke) this.showBody();
     this.begin(new Stroke(this, view, place));
     this.stroke.press(place);
     return true;

@@ -1,5 +1,5 @@
 // What the page tells and shows of a body without changing it, in Chromium: values under the pointer
-// against the volume's file; how long values take is told, not judged.
+// against the volume's file, a part of its displacement. How long values take is told, not judged.
 
 import assert from 'node:assert/strict';
 import {existsSync, readFileSync, writeFileSync} from 'node:fs';
@@ -162,4 +162,51 @@ step('values follow the pointer', async (t) => {
     const at = (part) => times[Math.ceil(part * times.length) - 1].toFixed(1);
     t.diagnostic(`${name}: from pointer to values ${at(0.5)} ms in the median, ${at(0.95)} ms at the 95th percentile of ${times.length}, load ${loadavg()[0].toFixed(1)}`);
   }
+});
+
+const setAmount = (percent) => page.eval(`(() => { const slider = document.getElementById('amount'); slider.value = ${percent}; slider.dispatchEvent(new Event('input')); })()`);
+const pictures = () => page.eval(`Promise.all(${JSON.stringify(kViews)}.map((name) => document.querySelector('#view-' + name + ' canvas').toDataURL('image/png')))`);
+
+step('the slider shows a part of the displacement, or more, and leaves the body alone', async () => {
+  await page.move(...await page.middle('#toolbar .brand'));
+  await page.key('Control+z');
+  await view.until('all is taken back', '$carriedOut >= $sent && !$scene.handles.length && !$scene.settling', 30);
+  await page.eval(`(() => { const list = document.getElementById('model'); list.value = 'ecm'; list.dispatchEvent(new Event('change')); })()`);
+  await view.settled(60);
+  await setAmount(0);
+  await view.until('rest is shown', '$scene.amount === 0 && !$scene.deformed');
+  await view.settled(60);
+  await setAmount(100);
+  await view.settled(60);
+  await drag(await partOf('3d', [0.5, 0.5]), [30, 12]);
+  const {handles: [handle], undo} = await view.get('scene');
+  const way = minus(handle.lps, handle.rest_lps);
+  const whole = await pictures();
+  for (const amount of [0.5, 2, 0.25]) {
+    await setAmount(100 * amount);
+    await view.until('the slider is heard', `$scene.amount === ${amount}`);
+    await view.settled(60);
+    await keep(`amount_${100 * amount}.png`);
+    const {handles: [shown]} = await view.get('scene');
+    const part = way.map((mm) => mm * amount);
+    assert.ok(distance(minus(shown.lps, handle.rest_lps), part) < 1e-3, `${amount} of the way`);
+    const [x, y] = await page.eval(`supple.place('3d', ${JSON.stringify(shown.lps)})`);
+    const {hit} = await valuesAt(Math.round(x), Math.round(y));
+    assert.ok(distance(hit.displacement, part) < 0.05, `${hit.displacement} instead of ${part}`);
+    const rest = hit.index.map((v, a) => v - hit.displacement[a] / volume.affine[5 * a]);
+    assert.ok(Math.abs(hit.density - densityAt(rest)) < 0.5, 'what is seen there is that tissue of the file');
+    await page.move(...await page.middle('#toolbar .brand'));
+  }
+  await setAmount(100);
+  await view.settled(60);
+  assert.deepEqual(await pictures(), whole, 'the same bytes as before');
+  assert.deepEqual((await view.get('scene')).undo, undo);
+  // A hand leads the body itself.
+  await setAmount(50);
+  await view.until('half is shown', '$scene.amount === 0.5');
+  await page.move(...await partOf('3d', [0.45, 0.6]));
+  await page.key('g');
+  await view.until('the handle is there, and all of the displacement', '$scene.grab && $scene.amount === 1');
+  await page.key('Escape');
+  await view.until('it is as it was', '$carriedOut >= $sent && !$scene.grab');
 });
