@@ -64,6 +64,7 @@ export const kBindings = [
   {group: 'Program', action: 'open', keys: ['Ctrl+o'], where: 'any', text: 'Open a volume, state or scene'},
   {group: 'Program', action: 'save-state', keys: ['Ctrl+s'], where: 'any', text: 'Save the state'},
   {group: 'Program', action: 'screenshot', keys: ['F12'], where: 'any', text: 'Save a picture of the view'},
+  {group: 'Program', action: 'link', keys: ['l'], where: 'any', text: 'A link to this view, into the clipboard and the address'},
   {group: 'Program', action: 'next-view', keys: ['F6'], where: 'any', text: 'Next view or panel'},
   {group: 'Program', action: 'help', keys: ['h', '?'], where: 'any', text: 'This list'},
 ];

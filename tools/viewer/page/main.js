@@ -17,11 +17,12 @@ import {ScenePanel} from './panels/scene_panel.js';
 import {exposed} from './exposed.js';
 import {PointerValues} from './pointer_values.js';
 import {nextSize} from './grab_stroke.js';
+import {partsOf, ViewLink} from './link.js';
 import {LeftSession} from './left_session.js';
 
 class App {
   constructor() {
-    const token = location.hash.slice(1);
+    const {token} = partsOf(location.hash);
     const socket = new URL('socket', location.href);  // beside the page, wherever a proxy shows it
     socket.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
     this.session = new Session(socket.href, token);
@@ -46,6 +47,7 @@ class App {
     makeTabs(document.querySelector('#panel [role=tablist]'));
     this.toolbar = new Toolbar(this);
     new LeftSession(this);
+    this.link = new ViewLink(this);
     listenToKeys(this);
     this.session.on('connection', (state) => this.connectionChanged(state));
     this.session.on('scene', () => {
@@ -140,7 +142,7 @@ class App {
       text.textContent = 'The program has ended. Start supple view again and open the address that it prints.';
       return;
     }
-    if (!location.hash.slice(1)) {
+    if (!partsOf(location.hash).token) {
       text.textContent = 'The address has no token. Open the address that supple view printed, with all after #.';
       return;
     }
@@ -179,7 +181,7 @@ class App {
       'maximise': () => this.layout.toggle(view.name), 'next-view': () => this.layout.next(),
       'brush-larger': () => this.resizeBrush(1), 'brush-smaller': () => this.resizeBrush(-1),
       'open': () => this.files.open(), 'screenshot': () => this.files.save('screenshot'),
-      'save-state': () => this.files.save('state'), 'help': () => this.help.show()};
+      'save-state': () => this.files.save('state'), 'link': () => this.link.copy(), 'help': () => this.help.show()};
     if (action.startsWith('side-')) space.lookFrom(action.slice(5), event.timeStamp);
     else if (action in actions) actions[action]();
     else return view.act(action, event.timeStamp);

@@ -153,8 +153,9 @@ export class Session {
   camera() { return this.own?.camera ?? this.scene?.view.camera ?? null; }
   /// The camera of the picture that is seen now.
   shownCamera() { return this.seen?.camera ?? this.scene?.view.camera ?? null; }
-  turnCamera(camera, time) {
-    const keys = cameraKeys(camera);
+  turnCamera(camera, time) { return this.setCamera(cameraKeys(camera), time); }
+  /// The keys of a camera, as they are.
+  setCamera(keys, time) {
     const n = this.event({kind: 'camera', camera: keys}, time);
     if (n) this.cameras.push(this.own = {n, camera: keys});
     return n;

@@ -40,6 +40,7 @@ export class Toolbar {
   }
 
   makeSaveMenu(opener, menu) {
+    const {app} = this;
     const close = (focus) => {
       menu.hidden = true;
       opener.setAttribute('aria-expanded', 'false');
@@ -48,9 +49,13 @@ export class Toolbar {
     for (const [what, [title]] of Object.entries(kSaves)) {
       menu.append(button(title + '…', () => {
         close(false);
-        this.app.files.save(what);
+        app.files.save(what);
       }, {role: 'menuitem', tabindex: -1, 'data-save': what}));
     }
+    menu.append(button('Link to this view (L)', () => {
+      close(true);
+      app.act('link');
+    }, {role: 'menuitem', tabindex: -1, id: 'copy-link'}));
     const items = [...menu.children];
     opener.addEventListener('click', () => {
       menu.hidden = !menu.hidden;

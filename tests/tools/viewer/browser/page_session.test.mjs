@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {actionOf, kBindings, namesOf} from '../../../../tools/viewer/page/bindings.js';
 import {crossings} from '../../../../tools/viewer/page/cut_marks.js';
+import {eventsTo, hashOf, partsOf, slicesTo, viewOf} from '../../../../tools/viewer/page/link.js';
 import {FrameGate, Latencies, parseFrame} from '../../../../tools/viewer/page/frames.js';
 import {Geometry} from '../../../../tools/viewer/page/geometry.js';
 import {Session} from '../../../../tools/viewer/page/session.js';
@@ -260,6 +261,24 @@ test('a swept line crosses a plane where it does', () => {
   assert.deepEqual([across.length, Math.min(...across.flat().map(([, , z]) => z)), Math.max(...across.flat().map(([, , z]) => z))], [2, -3, 1]);
   assert.ok(across.flat().every(([x, y]) => Math.abs(x - 1) < 1e-9 && y === 0));
   assert.deepEqual(crossings(sheet, ([x]) => x - 5), []);
+});
+
+test('a link keeps what is seen, digit by digit, and asks for what differs alone', () => {
+  const scene = {
+    volume: {dims: [9, 7, 5]}, amount: 0.6000000000000001,
+    view: {camera: {projection: 'perspective', position: [0.1 + 0.2, -1e-17, 1 / 3], target: [0, 0, 0], up: [0, 0, 1], fov: 30}, preset: '',
+           transfer: {name: 'Köpfe ∂', opacity: [[-1e308, 0], [4e-324, 1]]}, clips: [{box: [0, 0, 0, 1, 1, 1]}]},
+    slices: {cursor: [1, 2.5, 3], window: 0.1, level: -7, zoom: 2, centre: {axial: [1 / 7, 2, 3]}, overlay: 'none', overlay_colours: [[0, 0, 0]]}};
+  const {token, view, isBroken} = partsOf(hashOf('to-ken_1', viewOf(scene, 'axial')));
+  assert.deepEqual([token, isBroken], ['to-ken_1', false]);
+  assert.deepEqual(view, {camera: scene.view.camera, transfer: scene.view.transfer, clips: scene.view.clips, amount: scene.amount, maximised: 'axial',
+                          slices: {cursor: [1, 2.5, 3], window: 0.1, level: -7, zoom: 2, centre: {axial: [1 / 7, 2, 3]}, overlay: 'none'}});
+  assert.deepEqual(eventsTo(view, scene), []);
+  const other = {...scene, view: {...scene.view, clips: [], camera: {...scene.view.camera, fov: 31}}, slices: {...scene.slices, centre: {coronal: [0, 0, 0]}}};
+  assert.deepEqual(eventsTo(view, other), [{kind: 'clip', clip: scene.view.clips}, {kind: 'camera', camera: scene.view.camera}]);
+  assert.deepEqual(slicesTo(view, other).centre, {axial: [1 / 7, 2, 3], coronal: [4, 3, 2]}, 'back in the middle');
+  assert.deepEqual(partsOf('#to-ken_1'), {token: 'to-ken_1', view: null, isBroken: false});
+  for (const bad of ['#t&view=', '#t&view=%%', '#t&view=YQ']) assert.deepEqual(partsOf(bad), {token: 't', view: null, isBroken: true}, bad);
 });
 
 test('docs/viewer.md lists the keys as they are', async () => {

@@ -1,5 +1,5 @@
 // What the page tells and shows of a body without changing it, in Chromium: values under the pointer
-// against the volume's file, a part of its displacement. How long values take is told, not judged.
+// against the volume's file, a part of its displacement, a link. How long values take is told, not judged.
 
 import assert from 'node:assert/strict';
 import {existsSync, readFileSync, writeFileSync} from 'node:fs';
@@ -209,4 +209,66 @@ step('the slider shows a part of the displacement, or more, and leaves the body 
   await view.until('the handle is there, and all of the displacement', '$scene.grab && $scene.amount === 1');
   await page.key('Escape');
   await view.until('it is as it was', '$carriedOut >= $sent && !$scene.grab');
+});
+
+step('a link restores the view to the byte, and leaves out what is as it was', async () => {
+  await page.eval(`document.getElementById('tab-look').click()`);
+  const choose = (id, value) => page.eval(`(() => { const list = document.getElementById('${id}'); list.value = '${value}'; list.dispatchEvent(new Event('change')); })()`);
+  const [x, y] = await view.middle();
+  await page.drag([x, y], [x + 70, y - 30], {steps: 12});
+  await page.drag([x, y], [x + 15, y + 5], {steps: 4, modifiers: 8});
+  await choose('preset', 'Bone');
+  await choose('overlay', 'displacement');
+  await page.eval(`document.getElementById('overlay-in-space').click()`);
+  await page.eval(`[...document.querySelectorAll('#panel-look button')].find((b) => /^Plane/.test(b.textContent)).click()`);
+  await view.until('it is clipped', '$scene.view.clips.length === 1');
+  const [ax, ay] = await view.middle('axial');
+  await page.wheel(ax, ay, -300);
+  await page.drag([ax + 11, ay - 7], [ax + 14, ay - 9]);
+  await page.drag([ax, ay], [ax + 9, ay + 4], {button: 'middle'});
+  await page.drag([ax, ay], [ax, ay + 20], {button: 'right'});
+  await setAmount(60);
+  await view.until('the slider is heard', '$scene.amount === 0.6');
+  await page.move(...await page.middle('#toolbar .brand'));
+  await view.settled(60);
+  const before = await view.get('scene'), seen = await pictures();
+  await page.key('l');
+  const link = await page.until('the link is in the address', `location.hash.includes('&view=') && location.href`);
+  assert.ok(link.startsWith(server.address + '&view='));
+  await keep('link.png');
+
+  const others = async () => {
+    await page.key('1');
+    await choose('preset', 'Skin');
+    await page.eval(`document.querySelector('[aria-label="Remove clip 1"]').click()`);
+    await page.wheel(...await view.middle('coronal'), 400);
+    await page.eval(`document.querySelector('#view-axial .fit').click()`);
+    await setAmount(100);
+    await view.until('it is seen otherwise', '$scene.amount === 1 && $scene.view.clips.length === 0 && $carriedOut >= $sent');
+    await page.move(...await page.middle('#toolbar .brand'));
+    await view.settled(60);
+    const now = await pictures();
+    for (const [i, name] of kViews.entries()) assert.notEqual(now[i], seen[i], `${name} has changed`);
+  };
+  const isRestored = async (what) => {
+    await view.until('the view is there', '$scene && $carriedOut >= $sent && $scene.amount === 0.6 && $scene.view.clips.length === 1', 30);
+    await view.settled(60);
+    const {view: restored, slices} = await view.get('scene');
+    assert.deepEqual([restored, slices], [before.view, before.slices], what);
+    assert.deepEqual(await pictures(), seen, what);
+  };
+  await others();
+  await page.close();
+  page = await browser.page(link, kWindow);
+  view = new View(page);
+  await view.until('the page is there', 'window.supple && $scene && $views["3d"].count', 30);
+  await isRestored('by another page');
+  const {undo} = await view.get('scene');
+
+  // In a page that is open: only what differs is sent.
+  await page.eval(`window.dispatchEvent(new Event('hashchange'))`);
+  await isRestored('once more');
+  assert.deepEqual((await view.get('scene')).undo, undo);
+  await page.eval(`location.hash = location.hash.slice(0, -7) + '!'`);
+  await page.until('a damaged link is told of', `/cannot be read/.test(document.getElementById('say').textContent)`);
 });
