@@ -73,8 +73,8 @@ bool element_at(const BrickTopology& elements, const Vec3d& at_rest, Vec3i& elem
 
 /// Label, det F and, where finite elements have settled the body, stress of what is seen at a
 /// place; `element`: the one there, or the nearest.
-void add_values(OpenScene& scene, const Vec3d& index, const RestPlaceAt& rest, const Vec3i& element,
-                Value& json) {
+void add_tissue_values(OpenScene& scene, const Vec3d& index, const RestPlaceAt& rest,
+                       const Vec3i& element, Value& json) {
   const State& state = scene.picture().opened();
   const std::size_t slot =
       std::size_t(state.elements.find(element)) * kBrickVoxels + std::size_t(brick_offset(element));
@@ -103,7 +103,7 @@ Value place_json(OpenScene& scene, const Vec3d& index, bool has_values) {
   Value json = {
       {"index", index}, {"lps", state.geometry.world_from_index(index)}, {"element", is_element}};
   if (is_element) json["voxel"] = voxel;
-  if (is_element && has_values) add_values(scene, index, rest, voxel, json);
+  if (is_element && has_values) add_tissue_values(scene, index, rest, voxel, json);
   if (is_known) {
     json["rest_lps"] = state.geometry.world_from_index(at_rest);
     json["displacement"] = state.geometry.world_vector_from_index(index - at_rest);
