@@ -166,6 +166,13 @@ step('values follow the pointer', async (t) => {
 
 const setAmount = (percent) => page.eval(`(() => { const slider = document.getElementById('amount'); slider.value = ${percent}; slider.dispatchEvent(new Event('input')); })()`);
 const pictures = () => page.eval(`Promise.all(${JSON.stringify(kViews)}.map((name) => document.querySelector('#view-' + name + ' canvas').toDataURL('image/png')))`);
+/// The pictures of all views once the last of them, which come after the one in space, is there.
+async function settledPictures() {
+  await view.settled(60);
+  const n = await view.get('barrier()');
+  await view.until('all slices are there', `!$decoding && ['axial', 'coronal', 'sagittal'].every((name) => $views[name].event >= ${n} && $views[name].settled)`, 30);
+  return pictures();
+}
 
 step('the slider shows a part of the displacement, or more, and leaves the body alone', async () => {
   await page.move(...await page.middle('#toolbar .brand'));
@@ -181,7 +188,7 @@ step('the slider shows a part of the displacement, or more, and leaves the body 
   await drag(await partOf('3d', [0.5, 0.5]), [30, 12]);
   const {handles: [handle], undo} = await view.get('scene');
   const way = minus(handle.lps, handle.rest_lps);
-  const whole = await pictures();
+  const whole = await settledPictures();
   for (const amount of [0.5, 2, 0.25]) {
     await setAmount(100 * amount);
     await view.until('the slider is heard', `$scene.amount === ${amount}`);
@@ -198,8 +205,8 @@ step('the slider shows a part of the displacement, or more, and leaves the body 
     await page.move(...await page.middle('#toolbar .brand'));
   }
   await setAmount(100);
-  await view.settled(60);
-  assert.deepEqual(await pictures(), whole, 'the same bytes as before');
+  await view.until('all of it is shown', '$scene.amount === 1');
+  assert.deepEqual(await settledPictures(), whole, 'the same bytes as before');
   assert.deepEqual((await view.get('scene')).undo, undo);
   // A hand leads the body itself.
   await setAmount(50);
@@ -226,12 +233,13 @@ step('a link restores the view to the byte, and leaves out what is as it was', a
   await page.wheel(ax, ay, -300);
   await page.drag([ax + 11, ay - 7], [ax + 14, ay - 9]);
   await page.drag([ax, ay], [ax + 9, ay + 4], {button: 'middle'});
-  await page.drag([ax, ay], [ax, ay + 20], {button: 'right'});
+  await page.wheel(ax, ay, -300, {modifiers: 2});
   await setAmount(60);
   await view.until('the slider is heard', '$scene.amount === 0.6');
   await page.move(...await page.middle('#toolbar .brand'));
-  await view.settled(60);
-  const before = await view.get('scene'), seen = await pictures();
+  const seen = await settledPictures(), before = await view.get('scene');
+  const {slices: {zoom, centre, cursor}} = before;
+  assert.ok(zoom > 1.05 && centre.axial && cursor[2] !== Math.round(cursor[2]), JSON.stringify([zoom, centre, cursor]));
   await page.key('l');
   const link = await page.until('the link is in the address', `location.hash.includes('&view=') && location.href`);
   assert.ok(link.startsWith(server.address + '&view='));
@@ -246,16 +254,15 @@ step('a link restores the view to the byte, and leaves out what is as it was', a
     await setAmount(100);
     await view.until('it is seen otherwise', '$scene.amount === 1 && $scene.view.clips.length === 0 && $carriedOut >= $sent');
     await page.move(...await page.middle('#toolbar .brand'));
-    await view.settled(60);
-    const now = await pictures();
+    const now = await settledPictures();
     for (const [i, name] of kViews.entries()) assert.notEqual(now[i], seen[i], `${name} has changed`);
   };
   const isRestored = async (what) => {
     await view.until('the view is there', '$scene && $carriedOut >= $sent && $scene.amount === 0.6 && $scene.view.clips.length === 1', 30);
-    await view.settled(60);
+    const restoredPictures = await settledPictures();
     const {view: restored, slices} = await view.get('scene');
     assert.deepEqual([restored, slices], [before.view, before.slices], what);
-    assert.deepEqual(await pictures(), seen, what);
+    assert.deepEqual(restoredPictures, seen, what);
   };
   await others();
   await page.close();
