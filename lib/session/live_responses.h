@@ -1,11 +1,10 @@
 // Finite elements under the hand: the responses of a handle, found in the background level by
 // level, and the pose of the body for any target of the hand as a sum of them.
 //
-//   LiveResponses live(body, grab, directions);      // the thread of the session, when it is
-//   grabbed live.run(progress);                               // another thread, until it is done
-//   or cancelled const LivePose pose = live.pose(target);          // any thread, any time: the
-//   best level so far live.displacements(pose, 0, live.elements(), u);  // elements that a picture
-//   needs
+// It is made by the thread of the session when something is grabbed; run() belongs to another
+// thread, until it is done or cancelled. At any time and from any thread pose() tells what a target
+// of the hand makes of the best level so far, and displacements() of it the elements that a picture
+// needs.
 //
 // Levels are elements of 8, 4, 2 and 1 voxels, each started from the one before, the last at first
 // roughly. Then found() has the solutions of the last level, for the step that the hand ends with.
