@@ -23,7 +23,7 @@ struct KeptVoxels {
   KeptVoxels(ResponseKey of, const FemStep& step, const FemTask& task, Progress* progress);
 };
 
-/// What steps so far have found out; steps that are undone take theirs with them.
+/// Findings of the steps so far; steps that are undone take theirs with them.
 struct FemResponses {
   std::shared_ptr<KeptVoxels> voxels;
   ResponseSet known;

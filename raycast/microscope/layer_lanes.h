@@ -31,7 +31,7 @@ struct PacketPicture {
   alignas(64) std::uint32_t key[kPacketRays];
 };
 
-/// What packets carry from layer to layer.
+/// State that a packet carries from layer to layer.
 struct Layers {
   PacketRays rays;
   LaneFloats end_mm;  // of rays on the globe

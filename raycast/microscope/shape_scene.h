@@ -47,7 +47,7 @@ class ShapeScene {
   }
   /// Smooth normals of all triangles.
   const CornerNormals* normals() const { return m_normals.data(); }
-  /// What lies between the lamp and the rest, sorted by the directions of its light.
+  /// Triangles that may stand before the lamp, sorted by the directions of its light.
   const TriangleBins& before_lamp() const { return m_before_lamp; }
   /// Part of light that passes the listed triangles along each ray, 0 … 1.
   void passing(const PacketRays& rays, const TriangleList& list, LaneFloats& part) const;

@@ -65,7 +65,7 @@ HWY_INLINE HWY_ATTR HazeTaps taps_at(const HazeGrid& grid, const PicturePlanes& 
   return taps;
 }
 
-/// What a plane has at tap n.
+/// The value of a plane at tap n.
 HWY_INLINE HWY_ATTR VF tap(const HazeTaps& taps, const std::vector<float>& plane, int n) {
   const float* from = plane.data() + taps.row[n >> 1] + taps.first;
   const VI aside = taps.aside[n & 1];

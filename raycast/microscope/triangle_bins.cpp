@@ -95,7 +95,7 @@ void TriangleBins::add(std::uint32_t number, const std::array<Vec3f, 3>& corners
 
 void TriangleBins::add_part(std::uint32_t number, const std::array<Vec3f, 3>& corners,
                             int halvings) {
-  // What lies before the eye is a polygon of up to four corners.
+  // The part before the eye is a polygon of up to four corners.
   std::array<Vec3f, 4> before;
   std::array<float, 3> depths;
   std::size_t count = 0;

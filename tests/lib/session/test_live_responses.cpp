@@ -94,7 +94,7 @@ TEST_F(UnitLiveResponses, AStepOfTheSameHandleIsASumAndCanBeUndone) {
   const Vec3d force = record.reactions[0].reaction.force_n;
   EXPECT_LE((session.records().back().reactions[0].reaction.force_n - force).length(),
             1e-4 * force.length());  // of places that are rounded
-  // What was undone has left nothing: the step after it is a sum of the same solutions.
+  // An undone step has left nothing: the one after it is a sum of the same solutions.
   const auto hard = [](const Vec3d& by_mm) {
     Step step = moved(by_mm);
     step.drags[0].soft_mm = 0;

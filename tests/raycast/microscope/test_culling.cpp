@@ -1,4 +1,4 @@
-// What the microscope leaves out may not be seen: triangles that are in no list of a block, of a
+// Triangles that the microscope leaves out may not be seen: they are in no list of a block, of a
 // camera's picture or of the lamp's light.
 #include <algorithm>
 #include <cmath>
@@ -34,8 +34,8 @@ Vec3d place_on(Random& random, const Corners& corners) {
   return Vec3d(corners[0] * float(1 - u - v) + corners[1] * float(u) + corners[2] * float(v));
 }
 
-/// Where a line meets a triangle, in lengths of its direction, and how far from its sides as a part
-/// of it; by Cramer's rule.
+/// The place where a line meets a triangle, in lengths of its direction, and its distance from the
+/// sides as a part of them; by Cramer's rule.
 struct Meeting {
   double distance, inside;
 };

@@ -17,7 +17,7 @@ constexpr double kEyeMm = 11, kSheetMm = 2.6;
 constexpr double kStep_s = 0.02;
 constexpr int kSteps = 150;
 
-/// What a membrane meets, beside forceps that pull it by its rim.
+/// The thing that a membrane meets, beside forceps that pull it by its rim.
 enum class Meets { nothing, adhesion, contact, tearing };
 
 struct MembraneRow {

@@ -16,7 +16,7 @@ constexpr int kMostBehind = 4;
 
 /// From its last word on a hand rests.
 constexpr auto kHandRests = std::chrono::milliseconds(150);
-/// Of the width that pictures have at least while a hand moves something.
+/// The part of the width that pictures have at least while a hand moves something.
 constexpr double kLeastPart = 0.375;
 
 }  // namespace

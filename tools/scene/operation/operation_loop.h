@@ -46,8 +46,8 @@ class RecentTimes {
 
 class OperationLoop {
  public:
-  /// What a picture may take while a hand moves something: it is seen after the one that is being
-  /// drawn, so that two of them and what the page takes are to be soon enough.
+  /// Time that a picture may take while a hand moves something: it is seen after the one that is
+  /// being drawn, so that two of them and what the page takes are to be soon enough.
   static constexpr double kLedPicture_ms = 12;
 
   /// All outlive the loop.

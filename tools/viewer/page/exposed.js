@@ -16,7 +16,7 @@ export function exposed(app) {
     get carriedOut() { return session.lastCarriedOut; },
     get counts() { return {...session.counts}; },
     get tool() { return tools.stroke ? tools.stroke.constructor.name : tools.name; },
-    /// What is told under the pointer, where on the page that was asked, and milliseconds from events to answers.
+    /// Values under the pointer, where on the page that was asked, and milliseconds from events to answers.
     get pointer() { return copy(app.pointerValues.told); },
     get measures() { return copy(tools.measures); },
     get settings() { return copy(app.settings); },

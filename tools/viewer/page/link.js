@@ -25,7 +25,7 @@ export function hashOf(token, view) {
   return `#${token}${kViewKey}${text}`;
 }
 
-/// What is seen of a scene, as a link keeps it.
+/// The view of a scene, as a link keeps it.
 export function viewOf(scene, maximised) {
   const {camera, preset, transfer, clips} = scene.view;
   return {camera, ...(preset ? {preset} : {transfer}), clips, slices: picked(scene.slices, kSlices), amount: scene.amount, maximised};

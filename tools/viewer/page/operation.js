@@ -183,7 +183,7 @@ class OperationApp {
     }
   }
 
-  /// What a person is to know at once; an alarm stays for as long as what it tells of.
+  /// News that a person is to know at once; an alarm stays for as long as what it tells of.
   tellEvent(event, text) {
     this.say(text);
     const {kind, instrument, at: place} = event, touch = `${instrument} at ${place}`;

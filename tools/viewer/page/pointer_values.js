@@ -7,7 +7,7 @@ import {length} from './vectors.js';
 
 const kMostTimes = 2000;
 
-/// What is told of a hit of `pick`, a line each.
+/// Lines about a hit of `pick`.
 export function valueLines(hit, volume) {
   const lines = [`voxel ${hit.index.map((i) => Math.round(i)).join(', ')}`, `${sidesText(hit.lps)} mm`];
   const density = hit.density === undefined ? [] : [short(hit.density) + (volume.hu ? ' HU' : '')];
@@ -36,7 +36,7 @@ export class PointerValues {
     this.place = this.now;
     this.ask();
   }
-  /// What is under the pointer may have changed.
+  /// Values under the pointer may have changed.
   again() {
     if (!this.now || this.app.tools.stroke) return;
     this.place = {...this.now, isAgain: true};

@@ -1,4 +1,4 @@
-// What the page tells and shows of a body without changing it, in Chromium: values under the pointer
+// The page tells and shows a body without changing it, in Chromium: values under the pointer
 // against the volume's file, a part of its displacement, a link. How long values take is told, not judged.
 
 import assert from 'node:assert/strict';

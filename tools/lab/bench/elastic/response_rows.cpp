@@ -11,7 +11,7 @@ namespace supple::tools {
 
 namespace {
 
-/// What moves the body goes by 1 mm along an axis.
+/// The handle that moves the body goes by 1 mm along an axis.
 NodalLoads shifted_along(int axis, const FemModel& model, const FemProblem& problem,
                          Progress& cancel) {
   FemLoads loads = problem.loads;

@@ -1,4 +1,4 @@
-// Where the time from an input to the screen goes, of the oldest input of each picture: until it is
+// Shares of the time from an input to the screen, of the oldest input of each picture: until it is
 // sent, in the server until its picture is encoded, on the way back, decoding, and until the screen
 // shows it.
 
