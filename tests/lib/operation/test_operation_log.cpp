@@ -244,9 +244,9 @@ TEST(FaultOperationLog, DamageIsToldWithFileAndLine) {
   EXPECT_EQ(damaged("\"operation_log\":1", "\"operation_log\":2"),
             ":1: operation_log: found 2, expected the first row of a log of an operation, version "
             "1");
-  EXPECT_EQ(damaged("\"membranes\":{}", "\"membranes\":{},\"inverted\":{\"sheet\":2}")
-                .substr(0, 20),
-            ":5: inverted.sheet: ");
+  EXPECT_EQ(
+      damaged("\"membranes\":{}", "\"membranes\":{},\"inverted\":{\"sheet\":2}").substr(0, 20),
+      ":5: inverted.sheet: ");
   EXPECT_EQ(damaged("\"instruments\":[\"needle\"]", "\"instruments\":[\"needle\",\"pick\"]"),
             ":2: tools: found 1 instrument, expected 2 instruments");
 }
