@@ -79,7 +79,7 @@ class PropertyLiveAmount : public ::testing::Test {
 
 TEST_F(PropertyLiveAmount, TissueIsThatPartOfTheWayFromItsPlaceAtRest) {
   for (const double amount : {0.5, 0.1, 1.5, 1.}) expect_amount(amount, true);
-  for (const double amount : {0.3, 1.2}) expect_amount(amount, false);
+  for (const double amount : {0.3, 1.2, 1., 0.7}) expect_amount(amount, false);
 }
 
 TEST_F(PropertyLiveAmount, AllOfItIsAsBeforeAndTheSessionDoesNotKnow) {

@@ -42,6 +42,14 @@ void LiveBody::open(Interpolation interpolation) {
   m_is_stale = false;
 }
 
+/// Forward offsets refer to the displacement that is shown.
+void LiveBody::remake_forward() {
+  m_for_forward.clear();
+  if (!m_forward) return;
+  m_forward = std::make_shared<ForwardOffsets>(displacement(), &m_state.elements);
+  if (m_shown == Shown::forward) m_renderer->set_pointwise_offsets(m_forward);
+}
+
 /// Brings m_scaled up to date where the displacement or the amount changed; returns the bricks in
 /// which what is shown did.
 std::vector<std::int32_t> LiveBody::scale(const std::vector<std::int32_t>& changed) {
@@ -57,12 +65,15 @@ std::vector<std::int32_t> LiveBody::scale(const std::vector<std::int32_t>& chang
     bricks.erase(std::unique(bricks.begin(), bricks.end()), bricks.end());
   }
   m_amount = m_next_amount;
+  if (m_amount == 1) {
+    // Pictures refer to it until they know of the other one.
+    const std::unique_ptr<Displacement> before = std::move(m_scaled);
+    remake_forward();
+    return bricks;
+  }
   if (!m_scaled) {
     m_scaled = std::make_unique<Displacement>(m_moved->displacement());
-    // These refer to the displacement that is shown.
-    if (m_forward) m_forward = std::make_shared<ForwardOffsets>(*m_scaled, &m_state.elements);
-    if (m_shown == Shown::forward) m_shown = Shown::nothing;
-    m_for_forward.clear();
+    remake_forward();
   }
   const float factor = float(m_amount);
   BrickVectors& shown = m_scaled->u.vectors;

@@ -62,6 +62,7 @@ class LiveBody {
  private:
   using Changed = std::set<std::int32_t>;
   static std::vector<std::int32_t> take(Changed& changed);
+  void remake_forward();
   std::vector<std::int32_t> scale(const std::vector<std::int32_t>& changed);
   std::vector<Vec3i> update_inverse();
   std::unique_ptr<IncrementalCutInversion> new_inversion();
@@ -72,7 +73,7 @@ class LiveBody {
   State m_state;
   int m_opened_count = 0;
   std::unique_ptr<LiveDisplacement> m_moved;
-  std::unique_ptr<Displacement> m_scaled;  // null until another amount than 1 is asked for
+  std::unique_ptr<Displacement> m_scaled;  // null where the amount is 1
   double m_amount = 1, m_next_amount = 1;
   std::shared_ptr<ForwardOffsets> m_forward;
   std::unique_ptr<IncrementalCutInversion> m_inversion;
