@@ -2,16 +2,14 @@
 // it, and the program does it again. How long it takes from mouse to picture is told, not judged.
 
 import assert from 'node:assert/strict';
-import {existsSync, mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
 import {loadavg, tmpdir} from 'node:os';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {Chromium, kChromium, sleep} from './chromium.mjs';
+import {after, before} from 'node:test';
+import {Chromium, sleep} from './chromium.mjs';
 import {readPng} from './png.mjs';
-import {kSupple, Server, supple, View} from './supple_view.mjs';
-
-const missing = !kChromium ? 'no chromium' : !existsSync(kSupple) ? `no ${kSupple}` : false;
-if (process.env.SUPPLE_BROWSER_REQUIRED && missing) throw new Error(missing);
+import {keep, missing, stepsOf} from './steps.mjs';
+import {Server, supple, View} from './supple_view.mjs';
 
 /// Forceps stand before the edge of a small membrane, which the lamp shines on.
 const kScene = `
@@ -47,20 +45,8 @@ size = [640, 480]
 let folder, server, browser, page, view;
 const at = (name) => join(folder, name);
 const get = (expression) => view.get(expression);
-const keep = async (name) => {
-  if (process.env.SUPPLE_KEEP) writeFileSync(join(process.env.SUPPLE_KEEP, name), await page.picture());
-};
 
-let failed = false;
-function step(name, run) {
-  test(name, {skip: missing, timeout: 120000}, async (t) => {
-    if (failed) return t.skip('an earlier step failed');
-    failed = true;
-    await run(t);
-    assert.deepEqual(page.errors, [], 'errors on the console');
-    failed = false;
-  });
-}
+const step = stepsOf(() => page);
 
 before(async () => {
   if (missing) return;
@@ -116,7 +102,7 @@ step('the page shows the operation and what is in it', async () => {
   assert.equal(await page.eval(`document.querySelectorAll('#instruments button').length`), 3);
   assert.equal(await get('leads'), null);
   assert.match(await page.eval(`document.getElementById('hint').textContent`), /take the forceps/);
-  await keep('operation_begin.png');
+  await keep(page, 'operation_begin.png');
 });
 
 step('the mouse takes the forceps and moves it; its picture moves with it', async () => {
@@ -163,14 +149,14 @@ step('the forceps closes on the membrane and peels it, and the page tells of it'
     await view.until('it is open', '$status.instruments[0].pose.opening === 20', 30);
   }
   assert.ok(isGripped, 'gripped');
-  await keep('operation_gripped.png');
+  await keep(page, 'operation_gripped.png');
   for (let n = 0; n < 10; ++n) {
     await page.wheel(...mouse, 100, {button: 'left', buttons: 1});
     await lead(-4, 0, 3, 20, {button: 'left', buttons: 1});
   }
   await view.until('links break', `$events.some(({kind}) => kind === 'link_broken') && $status.clinging_mm2 < ${whole - 0.05}`, 30);
   await pass();
-  await keep('operation_peeled.png');
+  await keep(page, 'operation_peeled.png');
   await page.release(...mouse);
   await view.until('it is let go', `$events.some(({kind}) => kind === 'released')`);
   t.diagnostic(`${(whole - await clinging()).toFixed(2)} of ${whole.toFixed(2)} mm² peeled`);
@@ -223,7 +209,7 @@ step('keys choose, move, roll, zoom and pause; a lamp is switched', async () => 
   await view.until('the lamp follows its track', `$leads === null && !$status.instruments[2].is_led`);
   await page.key('h');
   await page.until('all keys are listed', `document.querySelector('dialog.help[open]')`);
-  await keep('operation_keys.png');
+  await keep(page, 'operation_keys.png');
   await page.key('Escape');
 });
 
@@ -239,7 +225,7 @@ step('the retina is touched, and everybody is told', async () => {
   }
   assert.ok(await isAlarmed(), 'the alarm is shown');
   assert.match(await page.eval(`document.getElementById('alarm').textContent`), /retina/);
-  await keep('operation_touch.png');
+  await keep(page, 'operation_touch.png');
   const count = async (kind) => (await get('events')).filter((one) => one.kind === kind && one.at === 'retina').length;
   const touches = await count('touch'), ends = await count('touch_ended'), {time_s: time} = await get('status');
   await view.until('the touch lasts', `$status.time_s > ${time} + 1`, 60);
@@ -255,7 +241,7 @@ step('the model of a membrane is exchanged by a key and by its list', async () =
   await page.key('m');
   await view.until('ChainMail moves it', `$status.membranes[0].model === 'ecm'`);
   await page.until('the list says so', `${list}.value === 'ecm'`);
-  await keep('operation_models.png');
+  await keep(page, 'operation_models.png');
   await page.eval(`(${list}.value = 'springs', ${list}.dispatchEvent(new Event('change')))`);
   await view.until('springs move it', `$status.membranes[0].model === 'springs'`);
 });
@@ -263,7 +249,7 @@ step('the model of a membrane is exchanged by a key and by its list', async () =
 step('pairs for two eyes', async () => {
   await page.key('v');
   await page.until('side by side', `document.querySelector('#picture canvas').width === 1280`);
-  await keep('operation_stereo.png');
+  await keep(page, 'operation_stereo.png');
   await page.key('v');
   await page.until('red and cyan', `document.querySelector('#picture canvas').width === 640`);
   await page.key('v');

@@ -2,34 +2,20 @@
 // against the volume's file, a part of its displacement, a link. How long values take is told, not judged.
 
 import assert from 'node:assert/strict';
-import {existsSync, readFileSync, writeFileSync} from 'node:fs';
+import {readFileSync, writeFileSync} from 'node:fs';
 import {loadavg} from 'node:os';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {Chromium, kChromium, sleep} from './chromium.mjs';
-import {Folder, kSupple, Server, View} from './supple_view.mjs';
+import {after, before} from 'node:test';
+import {Chromium, sleep} from './chromium.mjs';
+import {keep, missing, stepsOf} from './steps.mjs';
+import {Folder, Server, View} from './supple_view.mjs';
 import {distance, length, minus} from '../../../../tools/viewer/page/vectors.js';
-
-const missing = !kChromium ? 'no chromium' : !existsSync(kSupple) ? `no ${kSupple}` : false;
-if (process.env.SUPPLE_BROWSER_REQUIRED && missing) throw new Error(missing);
 
 const kWindow = {width: 1100, height: 760};
 const kViews = ['3d', 'axial', 'coronal', 'sagittal'];
 let folder, server, browser, page, view, densities, volume;
 
-let failed = false;
-function step(name, run) {
-  test(name, {skip: missing, timeout: 120000}, async (t) => {
-    if (failed) return t.skip('an earlier step failed');
-    failed = true;
-    await run(t);
-    assert.deepEqual(page.errors, [], 'errors on the console');
-    failed = false;
-  });
-}
-const keep = async (name) => {
-  if (process.env.SUPPLE_KEEP) writeFileSync(join(process.env.SUPPLE_KEEP, name), await page.picture());
-};
+const step = stepsOf(() => page);
 
 const labelOf = ([i, j, k]) => 1 + Number(i >= 48) + 2 * Number(k >= 27);
 
@@ -133,7 +119,7 @@ step('tissue tells how far it has moved, its change of volume and, by finite ele
   assert.ok(Math.abs(hit.det_f - 1) < 0.01, 'a handle keeps its volume');
   assert.equal(lines[3], `moved ${length(hit.displacement).toFixed(2)} mm from ${hit.voxel.join(', ')}`);
   assert.ok(lines[4].startsWith('det F') && !/kPa/.test(lines[4]), 'ChainMail knows of no stress');
-  await keep('values.png');
+  await keep(page, 'values.png');
 
   await page.key('Control+z');
   await view.until('it is taken back', '$carriedOut >= $sent && !$scene.undo.length');
@@ -193,7 +179,7 @@ step('the slider shows a part of the displacement, or more, and leaves the body 
     await setAmount(100 * amount);
     await view.until('the slider is heard', `$scene.amount === ${amount}`);
     await view.settled(60);
-    await keep(`amount_${100 * amount}.png`);
+    await keep(page, `amount_${100 * amount}.png`);
     const {handles: [shown]} = await view.get('scene');
     const part = way.map((mm) => mm * amount);
     assert.ok(distance(minus(shown.lps, handle.rest_lps), part) < 1e-3, `${amount} of the way`);
@@ -243,7 +229,7 @@ step('a link restores the view to the byte, and leaves out what is as it was', a
   await page.key('l');
   const link = await page.until('the link is in the address', `location.hash.includes('&view=') && location.href`);
   assert.ok(link.startsWith(server.address + '&view='));
-  await keep('link.png');
+  await keep(page, 'link.png');
 
   const others = async () => {
     await page.key('1');

@@ -2,33 +2,21 @@
 // the last restart, asserted on the page's state, on files that were written, and on pictures.
 
 import assert from 'node:assert/strict';
-import {existsSync, readFileSync, writeFileSync} from 'node:fs';
+import {readFileSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
-import {after, before, test} from 'node:test';
-import {Chromium, kChromium, sleep} from './chromium.mjs';
+import {after, before} from 'node:test';
+import {Chromium, sleep} from './chromium.mjs';
 import {coarse, difference, partBeyond, readPng} from './png.mjs';
-import {Folder, kSupple, Server, supple, View} from './supple_view.mjs';
+import {keep, missing, stepsOf} from './steps.mjs';
+import {Folder, Server, supple, View} from './supple_view.mjs';
 import {cameraFrame} from '../../../../tools/viewer/page/camera.js';
 import {distance, length, minus} from '../../../../tools/viewer/page/vectors.js';
-
-const missing = !kChromium ? 'no chromium' : !existsSync(kSupple) ? `no ${kSupple}` : false;
-if (process.env.SUPPLE_BROWSER_REQUIRED && missing) throw new Error(missing);
 
 const kWindow = {width: 900, height: 640};
 let folder, server, browser, page, view;
 
-/// A step of the session; after a failure the others would only repeat it.
-let failed = false;
-function step(name, run) {
-  test(name, {skip: missing, timeout: 60000}, async (t) => {
-    if (failed) return t.skip('an earlier step failed');
-    failed = true;
-    await run(t);
-    assert.deepEqual(page.errors, [], 'errors on the console');
-    failed = false;
-  });
-}
+const step = stepsOf(() => page, 60000);
 
 before(async () => {
   if (missing) return;
@@ -75,7 +63,7 @@ step('open: a volume is opened by the dialog, and four views show it', async () 
   })`);
   assert.deepEqual(cards.map(([name]) => name), ['', 'ct-head', 'ct-body', 'mr-brain', 'elastic-tissue', 'uniform', 'table']);
   assert.equal(new Set(cards.map(([, picture]) => picture)).size, cards.length, 'each has a picture of its own');
-  if (process.env.SUPPLE_KEEP) writeFileSync(join(process.env.SUPPLE_KEEP, 'opening.png'), await page.picture());
+  await keep(page, 'opening.png');
   await page.clickOn('[data-name="head.nhdr"]');
   await page.eval(`document.querySelector('#open-material [value=table]').parentElement.scrollIntoView({block: 'center'})`);
   await page.clickOn('#open-material .card:has([value=table])');
