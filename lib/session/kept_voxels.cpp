@@ -1,5 +1,7 @@
 #include "lib/session/kept_voxels.h"
 
+#include <utility>
+
 #include "lib/session/fem_task.h"
 #include "volumes/base/value.h"
 
@@ -90,8 +92,8 @@ ResponseKey solid_key(const FemStep& step, const FemTask& task) {
   key.add("elements", hash_of(body.elements));
   key.add("cuts", hash_of(task.cuts));
   key.add("rigid pieces", hash_of(body.rigid));
-  key.add("material", material);
-  key.add("kinds of elements", kind);
+  key.add("material", std::move(material));
+  key.add("kinds of elements", std::move(kind));
   return key;
 }
 

@@ -140,19 +140,9 @@ LiveResponses::Affine LiveResponses::affine_of(const DragPose& pose) const {
 }
 
 /// The loads of the place where the handle is, with all forces, then what directions add to them.
-std::vector<NodalLoads> LiveResponses::loads(const VoxelFemModel& model, Progress* progress) {
-  VoxelFemModel own({m_body, m_anchors, m_holds}, model);
-  std::shared_ptr<const FemResponses> none;
-  const FemTask task{{m_body, m_anchors, m_holds},
-                     m_cuts,
-                     m_density,
-                     m_labels,
-                     {},
-                     m_pieces,
-                     {},
-                     nullptr,
-                     none,
-                     {}};
+std::vector<NodalLoads> LiveResponses::loads(const VoxelFemModel& model, const FemTask& task,
+                                             Progress* progress) {
+  VoxelFemModel own(task.held, model);
   own.set_loads(loads_of(m_step, task, m_voxels->solid));
   std::vector<NodalLoads> all;
   for (const std::vector<Handle>& handles : m_handles) {
@@ -229,7 +219,7 @@ void LiveResponses::run(Progress* progress) {
   }
   const VoxelFemModel& model = m_voxels->model;
   const FemModel& solid = model.solid();
-  std::vector<NodalLoads> all = loads(model, progress);
+  std::vector<NodalLoads> all = loads(model, task, progress);
   const int deepest = int(solid.levels().meshes.size()) - 1;
   std::shared_ptr<const Level> before;
   for (const auto& [doublings, is_last] : kLevels) {

@@ -70,7 +70,8 @@ class LiveResponses {
   struct Level;
   using Affine = std::array<double, 12>;  // shift, and linear map in rows, about m_about_mm
   Affine affine_of(const DragPose& pose) const;
-  std::vector<NodalLoads> loads(const VoxelFemModel& model, Progress* progress);
+  std::vector<NodalLoads> loads(const VoxelFemModel& model, const FemTask& task,
+                                Progress* progress);
   std::shared_ptr<Level> level_of(const VoxelFemModel& model, const std::vector<NodalLoads>& loads,
                                   const std::vector<NodalSolution>& solutions,
                                   const Level* before) const;

@@ -1,6 +1,7 @@
 // Solutions as sums of earlier ones.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/response/response_set.h"
@@ -32,10 +33,10 @@ ResponseKey key_of(const NodalLoads& loads, const std::vector<bool>& apart,
   solver.add(params.max_iterations);
   held.add(loads.held);
   forces.add(loads.force_mn);
-  key.add("joints of touching voxels", joined);
-  key.add("tolerances", solver);
-  key.add("held elements", held);
-  key.add("loads", forces);
+  key.add("joints of touching voxels", std::move(joined));
+  key.add("tolerances", std::move(solver));
+  key.add("held elements", std::move(held));
+  key.add("loads", std::move(forces));
   return key;
 }
 
