@@ -6,6 +6,7 @@
 #include "tools/console/command.h"
 #include "tools/scene/file/scene.h"
 #include "tools/scene/operation/operation_run.h"
+#include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/scene_files.h"
 #include "volumes/base/json.h"
 
@@ -107,7 +108,11 @@ int run_operation(Table root, const OperationCommand& command, const GlobalOptio
   if (command.size) {
     (scene.volume ? scene.volume->views.front().size : scene.views.front().size) = *command.size;
   }
-  if (command.is_replay) see_first_view(scene, command.image, options);
+  if (command.is_replay) {
+    // A run makes missing folders, a replay none.
+    if (!command.image.empty()) OutputPlan(true).add_image(command.image);
+    see_first_view(scene, command.image, options);
+  }
   if (!command.is_replay && !command.allows_outside) {
     require_inside(scene.outputs(), scene.file, command.folder);
   }

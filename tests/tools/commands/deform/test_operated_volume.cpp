@@ -84,6 +84,10 @@ TEST_F(UnitOperatedVolume, AReplayDrawsEachFrameAsARunDoesAndKeepsNoneButTheLast
   const Image run = read_png(m_folder / "out/seen_004.png"), replayed = read_png(end);
   EXPECT_EQ(replayed.width, 40);
   EXPECT_EQ(replayed.rgba, run.rgba);
+  const Outcome nowhere = run_supple({"replay", scene, "--image", m_folder / "none/end.png"});
+  EXPECT_EQ(nowhere.exit_code, 3);
+  EXPECT_NE(nowhere.err.find("found no such folder"), std::string::npos) << nowhere.err;
+  EXPECT_FALSE(std::filesystem::exists(m_folder / "none"));
   const Outcome wide = run_supple({"replay", scene, "--image", end, "--size", "60,40", "--force"});
   ASSERT_EQ(wide.exit_code, 0) << wide.err;
   EXPECT_EQ(read_png(end).width, 60);
