@@ -27,7 +27,7 @@ FrameEncoder::~FrameEncoder() {
 void FrameEncoder::encode(FrameMessage frame, Image image) {
   {
     const std::lock_guard lock(m_guard);
-    m_waiting[std::size_t(frame.view)] = Settled{std::move(frame), std::move(image)};
+    m_waiting[frame.slot()] = Settled{std::move(frame), std::move(image)};
   }
   m_changed.notify_one();
 }

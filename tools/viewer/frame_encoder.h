@@ -1,5 +1,5 @@
 // A thread that makes PNGs of settled pictures, so that events need not wait for it: of a view the
-// newest alone.
+// newest alone, as the body is and at rest.
 #pragma once
 
 #include <condition_variable>
@@ -30,7 +30,7 @@ class FrameEncoder {
   Pages& m_pages;
   std::mutex m_guard;
   std::condition_variable m_changed;
-  std::array<std::optional<Settled>, kViewCount> m_waiting;
+  std::array<std::optional<Settled>, kPictureCount> m_waiting;
   bool m_ends = false;
   std::thread m_thread;
 };

@@ -25,7 +25,7 @@ std::vector<std::uint8_t> head_of(const FrameMessage& frame, std::uint32_t event
   append(head, std::uint8_t(frame.view));
   append(head, std::uint8_t(frame.is_png));
   append(head, std::uint8_t(frame.is_settled));
-  append(head, std::uint8_t(0));
+  append(head, std::uint8_t(frame.is_at_rest));
   append(head, std::uint16_t(frame.width));
   append(head, std::uint16_t(frame.height));
   append(head, float(frame.ms));

@@ -44,6 +44,7 @@ OpenScene::OpenScene(const Table& root, double budget_ms, const ViewSettings& se
       m_settings(settings),
       m_live(root, &outlets.progress),
       m_loop(m_live, frame_for(settings, budget_ms), *this, outlets.console, &outlets.progress),
+      m_curtain(picture(), m_settings),
       m_description(m_live, picture(), m_settings),
       m_budget_ms(budget_ms) {
   m_settings.slices = default_slices(picture().opened());
@@ -95,15 +96,21 @@ void OpenScene::see(const ViewSettings& settings, std::uint64_t number) {
   const bool is_other_overlay = settings.slices.overlay != before.overlay ||
                                 settings.slices.overlay_in_space != before.overlay_in_space ||
                                 settings.slices.outline_in_space != before.outline_in_space;
-  const bool is_other_picture = settings.sizes[0] != m_settings.sizes[0] ||
-                                settings.amount != m_settings.amount || is_other_overlay;
+  const bool is_same_size = settings.sizes[0] == m_settings.sizes[0];
+  const bool is_other_picture =
+      !is_same_size || settings.amount != m_settings.amount || is_other_overlay;
   if (settings.amount != m_settings.amount) m_moves_view = false;
   m_settings = settings;
   if (is_other_overlay) choose_painter();
   for (int view = 1; view < kViewCount; ++view) m_stale[std::size_t(view)] = 1;
+  m_curtain.seen_otherwise();
+  if (!m_settings.curtain) m_outlets.pages.forget_frames_at_rest();
   m_range.reset();
   m_is_told = false;
-  if (is_other_picture) m_loop.set_frame(frame_for(m_settings, m_budget_ms));
+  if (!is_other_picture) return;
+  const LivePicture::Counts counts = picture().counts();
+  m_loop.set_frame(frame_for(m_settings, m_budget_ms));
+  if (is_same_size) m_curtain.keep_space(counts);
 }
 
 void OpenScene::stop(const std::vector<LiveEvent>& given_up) {
@@ -209,7 +216,23 @@ void OpenScene::settled(const Image& image, const Stopwatch& since_event) {
 /// Draws slices in haste while the picture moves, and exactly once it has settled.
 bool OpenScene::work() {
   if (!m_is_told && may_tell()) tell_scene();
-  return draw_next_pane();
+  return draw_next_pane() || draw_next_at_rest();
+}
+
+bool OpenScene::draw_next_at_rest() {
+  std::optional<RestPane> pane = m_curtain.next(m_budget_ms / 2);
+  if (!pane) return false;
+  FrameMessage frame = frame_of(pane->view, 0);
+  frame.is_at_rest = true;
+  frame.pixels = pane->pixels;
+  frame.is_settled = pane->is_settled;
+  if (pane->is_settled) {
+    m_outlets.encoder.encode(std::move(frame), std::move(pane->image));
+  } else {
+    frame.picture = jpeg_of(pane->image);
+    m_outlets.pages.publish(std::move(frame));
+  }
+  return true;
 }
 
 bool OpenScene::draw_next_pane() {

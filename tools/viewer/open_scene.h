@@ -8,6 +8,7 @@
 #include "raycast/drawings/rest_outline.h"
 #include "tools/console/console.h"
 #include "tools/scene/live/live_loop.h"
+#include "tools/viewer/curtain.h"
 #include "tools/viewer/frame_encoder.h"
 #include "tools/viewer/kept_sessions.h"
 #include "tools/viewer/page_progress.h"
@@ -35,7 +36,10 @@ class OpenScene final : public LoopWatcher {
   void run(EventMailbox& mailbox);
   void leave() { m_loop.leave(); }
   /// Tells the loop from another thread that something was posted.
-  void interrupt() { m_loop.interrupt(); }
+  void interrupt() {
+    m_loop.interrupt();
+    m_curtain.interrupt();
+  }
 
   /// Takes other wishes of the pages; `number` as of Pages::note().
   void see(const ViewSettings& settings, std::uint64_t number);
@@ -59,6 +63,7 @@ class OpenScene final : public LoopWatcher {
 
   LiveSession& live() { return m_live; }
   LivePicture& picture() { return m_loop.picture(); }
+  Curtain& curtain() { return m_curtain; }
   const ViewSettings& settings() const { return m_settings; }
   PageProgress& progress() { return m_outlets.progress; }
   Console& console() { return m_outlets.console; }
@@ -79,6 +84,7 @@ class OpenScene final : public LoopWatcher {
   bool work() override;
   bool has_later_work() const override { return !m_is_told; }
   bool draw_next_pane();
+  bool draw_next_at_rest();
   bool may_tell() const;
   void choose_painter();
   ScalarRange overlay_range();
@@ -88,6 +94,7 @@ class OpenScene final : public LoopWatcher {
   ViewSettings m_settings;
   LiveSession m_live;
   LiveLoop m_loop;
+  Curtain m_curtain;
   SceneDescription m_description;
   std::unique_ptr<KeptJournal> m_kept;
   std::uint64_t m_number = 0;

@@ -123,11 +123,11 @@ std::string Pages::text_of(const Value& json) {
 
 void Pages::publish(FrameMessage frame) {
   const std::lock_guard lock(m_guard);
-  SharedFrame& last = m_last[std::size_t(frame.view)];
+  SharedFrame& last = m_last[frame.slot()];
   if (last != nullptr && last->stamp >= frame.stamp) return;
   last = std::make_shared<const FrameMessage>(std::move(frame));
   for (auto& [number, page] : m_pages) {
-    page.waiting[std::size_t(last->view)] = last;
+    page.waiting[last->slot()] = last;
     send_waiting(page);
   }
 }
@@ -136,6 +136,15 @@ void Pages::forget_frames() {
   const std::lock_guard lock(m_guard);
   m_last = {};
   for (auto& [number, page] : m_pages) page.waiting = {};
+}
+
+void Pages::forget_frames_at_rest() {
+  const std::lock_guard lock(m_guard);
+  const auto forget = [](auto& frames) {
+    std::for_each(frames.begin() + kViewCount, frames.end(), [](auto& frame) { frame.reset(); });
+  };
+  forget(m_last);
+  for (auto& [number, page] : m_pages) forget(page.waiting);
 }
 
 std::uint64_t Pages::next_stamp() {

@@ -54,6 +54,8 @@ class Pages {
   static std::string text_of(const Value& json);
   /// Pictures of what is not open any more.
   void forget_frames();
+  /// Pictures at rest that no curtain shows any more.
+  void forget_frames_at_rest();
   std::uint64_t next_stamp();
 
  private:
@@ -61,7 +63,7 @@ class Pages {
   struct Page {
     std::shared_ptr<PageOutlet> outlet;
     std::deque<std::pair<std::uint64_t, std::uint32_t>> numbers;  // and n, ascending; the last ones
-    std::array<SharedFrame, kViewCount> waiting;
+    std::array<SharedFrame, kPictureCount> waiting;
     std::deque<std::uint32_t> unacknowledged;
   };
   static std::uint32_t shown_by(const Page& page, std::uint64_t number);
@@ -70,7 +72,7 @@ class Pages {
 
   mutable std::mutex m_guard;
   std::map<int, Page> m_pages;
-  std::array<SharedFrame, kViewCount> m_last;
+  std::array<SharedFrame, kPictureCount> m_last;
   std::string m_scene = "{\"scene\":null}";
   std::uint64_t m_scene_number = 0;
   int m_next_page = 1;

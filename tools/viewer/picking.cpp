@@ -38,13 +38,14 @@ Vec3d along_grid(const Geometry& geometry, const Vec3d& vector_mm) {
 }
 
 /// Depth in mm at which the ray meets what is seen; none where it meets nothing.
-std::optional<double> seen_depth(LivePicture& picture, const Camera& camera, const Ray& ray) {
+std::optional<double> seen_depth(const LivePicture& picture, const Renderer& renderer,
+                                 const Camera& camera, const Ray& ray) {
   RenderSettings settings = view_settings(picture.view());
   settings.clips = resolve_clips(picture.view().clips, picture.opened().geometry);
   settings.width = settings.height = 1;
   settings.auxiliary = true;
   const FloatImage seen =
-      picture.renderer().render_float(ray_camera(camera, ray), look_of(picture.view()), settings);
+      renderer.render_float(ray_camera(camera, ray), look_of(picture.view()), settings);
   if (!(seen.depth_mm[0] >= 0)) return std::nullopt;
   return seen.depth_mm[0];
 }
@@ -92,10 +93,10 @@ void add_tissue_values(OpenScene& scene, const Vec3d& index, const RestPlaceAt& 
 }
 
 /// What is seen at a place of the index frame.
-Value place_json(OpenScene& scene, const Vec3d& index, bool has_values) {
+Value place_json(OpenScene& scene, const Vec3d& index, const PickRequest& request) {
   LivePicture& picture = scene.picture();
   const State& state = picture.opened();
-  const RestPlaceAt rest = picture.rest_places(false);
+  const RestPlaceAt rest = request.at_rest ? nullptr : picture.rest_places(false);
   Vec3d at_rest = index;
   const bool is_known = !rest || rest(index, at_rest);
   Vec3i voxel(0);
@@ -103,7 +104,7 @@ Value place_json(OpenScene& scene, const Vec3d& index, bool has_values) {
   Value json = {
       {"index", index}, {"lps", state.geometry.world_from_index(index)}, {"element", is_element}};
   if (is_element) json["voxel"] = voxel;
-  if (is_element && has_values) add_tissue_values(scene, index, rest, voxel, json);
+  if (is_element && request.values) add_tissue_values(scene, index, rest, voxel, json);
   if (is_known) {
     json["rest_lps"] = state.geometry.world_from_index(at_rest);
     json["displacement"] = state.geometry.world_vector_from_index(index - at_rest);
@@ -127,12 +128,12 @@ Value pick_in_space(OpenScene& scene, const PickRequest& request) {
             ray.direction_lps.dot(frame.forward);
     json = Value::Entries();
   } else {
-    const std::optional<double> seen = seen_depth(picture, camera, ray);
+    const Renderer& renderer = request.at_rest ? scene.curtain().renderer() : picture.renderer();
+    const std::optional<double> seen = seen_depth(picture, renderer, camera, ray);
     if (!seen) return nullptr;
     depth = *seen;
-    json =
-        place_json(scene, geometry.index_from_world(ray.origin_lps_mm + ray.direction_lps * depth),
-                   request.values);
+    json = place_json(
+        scene, geometry.index_from_world(ray.origin_lps_mm + ray.direction_lps * depth), request);
   }
   const double along_view = depth * ray.direction_lps.dot(frame.forward);
   const double pixel_mm = camera.projection == Projection::perspective
@@ -159,7 +160,7 @@ Value pick_in_slice(OpenScene& scene, const PickRequest& request) {
   }
   Vec3d away = pixels.right_mm.cross(pixels.down_mm);
   away = away / away.length();
-  Value json = place_json(scene, index, request.values);
+  Value json = place_json(scene, index, request);
   json["depth"] = 0;
   json["right"] = along_grid(state.geometry, pixels.right_mm);
   json["down"] = along_grid(state.geometry, pixels.down_mm);
@@ -182,6 +183,7 @@ PickRequest pick_request(Table& table) {
   request.at = {at[0], at[1]};
   request.ray_only = table.get<bool>("ray_only").value_or(false);
   request.values = table.get<bool>("values").value_or(false);
+  request.at_rest = table.get<bool>("at_rest").value_or(false);
   table.finish();
   return request;
 }

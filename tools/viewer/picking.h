@@ -10,7 +10,8 @@ struct PickRequest {
   int view = 0;
   std::array<double, 2> at{};
   bool ray_only = false;
-  bool values = false;  // label, det F and stress, too
+  bool values = false;   // label, det F and stress, too
+  bool at_rest = false;  // of the body at rest, which a curtain shows
 };
 /// Throws InputError.
 PickRequest pick_request(Table& table);

@@ -168,6 +168,7 @@ Value SceneDescription::told(bool is_moving, const ScalarRange& overlay_range) {
   scene["slices"] = shown_slices(m_settings.slices, overlay_range);
   scene["deformed"] = m_settings.deformed();
   scene["amount"] = m_settings.amount;
+  scene["curtain"] = m_settings.curtain;
   return scene;
 }
 

@@ -170,7 +170,7 @@ void Viewer::dispatch(int page, const PageMessage& message) {
   if (verb == "open") return take_open(page, message);
   if (verb == "go_on") return take_go_on(page, message);
   if (verb == "cancel") return take_cancel(page, message);
-  if (verb == "size" || verb == "slices" || verb == "deformed") {
+  if (verb == "size" || verb == "slices" || verb == "deformed" || verb == "curtain") {
     take_wish(message);
     return see_soon(page, message);
   }
@@ -189,6 +189,7 @@ void Viewer::take_ack(int page, const PageMessage& message) {
 void Viewer::take_wish(const PageMessage& message) {
   if (message.verb == "size") return take_size(message);
   if (message.verb == "slices") return take_slices(message);
+  if (message.verb == "curtain") return take_curtain(message);
   const double amount = amount_of(message.value);
   const std::lock_guard lock(m_guard);
   m_settings.amount = amount;
@@ -259,6 +260,15 @@ void Viewer::take_event(int page, const PageMessage& message) {
   m_mailbox.post(std::move(event));
   interrupt();
   answer(page, message, true);
+}
+
+/// Pictures of the body at rest, too, or no longer.
+void Viewer::take_curtain(const PageMessage& message) {
+  if (!message.value.is_truth()) {
+    throw InputError({"curtain", "", "another value", "true or false"});
+  }
+  const std::lock_guard lock(m_guard);
+  m_settings.curtain = message.value.truth();
 }
 
 void Viewer::take_size(const PageMessage& message) {

@@ -56,6 +56,7 @@ class Viewer final : public PageSession {
   void take_cancel(int page, const PageMessage& message);
   /// Takes how the pages want to see the scene.
   void take_wish(const PageMessage& message);
+  void take_curtain(const PageMessage& message);
   void take_size(const PageMessage& message);
   void take_slices(const PageMessage& message);
   void see();

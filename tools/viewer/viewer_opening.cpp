@@ -43,6 +43,7 @@ void Viewer::open(const OpenedFile& file, const std::string& input, const std::s
     settings = m_settings;
   }
   settings.amount = 1;
+  settings.curtain = false;
   m_next = std::make_unique<OpenScene>(file.root, m_options.budget_ms, settings,
                                        SceneOutlets{m_pages, m_encoder, m_progress, m_console});
   m_next->assume(file.assumed);

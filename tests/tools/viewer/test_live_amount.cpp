@@ -10,6 +10,7 @@
 #include "tools/scene/file/view.h"
 #include "tools/scene/live/live_picture.h"
 #include "tools/scene/live/live_session.h"
+#include "tools/scene/live/rest_picture.h"
 
 using namespace supple;
 using namespace supple::test;
@@ -93,4 +94,18 @@ TEST_F(PropertyLiveAmount, AllOfItIsAsBeforeAndTheSessionDoesNotKnow) {
   m_picture->follow();
   EXPECT_EQ(settled().rgba, whole.rgba);
   EXPECT_TRUE(m_live->session().body().q == before);
+}
+
+TEST_F(PropertyLiveAmount, PictureAtRestBesideItIsThatOfNoneOfIt) {
+  const Image whole = settled();
+  RestPicture beside(*m_picture);
+  EXPECT_EQ(beside.draft(1e-9).width, 10);
+  const Image at_rest = *beside.settled();
+  EXPECT_NE(at_rest.rgba, whole.rgba);
+  EXPECT_EQ(m_picture->settled()->rgba, whole.rgba);
+  SceneView view = m_picture->view();
+  view.deformed = false;
+  m_picture->look(view);
+  m_picture->follow();
+  EXPECT_EQ(settled().rgba, at_rest.rgba);
 }

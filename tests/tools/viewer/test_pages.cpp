@@ -75,6 +75,23 @@ TEST(UnitPages, AnOlderPictureThatComesLaterIsLeftOut) {
   EXPECT_EQ(page->frames[1].event, 1u);  // what it shows, though another view is further
 }
 
+TEST(UnitPages, PicturesAtRestGoBesideTheOthersOfTheirViewUntilTheyAreForgotten) {
+  Pages pages;
+  const auto early = std::make_shared<Recorder>(), late = std::make_shared<Recorder>();
+  pages.join(early, "");
+  FrameMessage at_rest = frame(pages, 1);
+  at_rest.is_at_rest = true;
+  pages.publish(frame(pages, 1));
+  pages.publish(at_rest);
+  ASSERT_EQ(early->frames.size(), 2u);
+  EXPECT_FALSE(early->frames[0].frame->is_at_rest);
+  EXPECT_TRUE(early->frames[1].frame->is_at_rest);
+  pages.forget_frames_at_rest();
+  pages.join(late, "");
+  ASSERT_EQ(late->frames.size(), 1u);
+  EXPECT_FALSE(late->frames[0].frame->is_at_rest);
+}
+
 TEST(UnitPages, EachPageCountsItsOwnEvents) {
   Pages pages;
   const auto one = std::make_shared<Recorder>(), two = std::make_shared<Recorder>();

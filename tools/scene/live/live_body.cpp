@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volumes/base/parallel.h"
 #include "volumes/grid/cell.h"
 
 namespace supple::tools {
@@ -162,6 +163,20 @@ void LiveBody::show_rest() {
 const OffsetField& LiveBody::inverse() {
   if (!m_field) m_field = m_inversion->offsets();
   return *m_field;
+}
+
+double LiveBody::longest_mm() const {
+  const VectorBricks& u = displacement().u;
+  return std::sqrt(parallel_reduce(
+      u.vectors.brick_count(), Grain{1}, 0.0,
+      [&](std::size_t b, double& most) {
+        const Vec3f* const vectors = u.vectors.brick(b);
+        for (int n = 0; vectors != nullptr && n < kBrickVoxels; ++n) {
+          const Vec3d mm = m_state.geometry.world_vector_from_index(Vec3d(vectors[n]));
+          most = std::max(most, mm.dot(mm));
+        }
+      },
+      [](double a, double b) { return std::max(a, b); }));
 }
 
 RestPlaceAt rest_places(LiveBody& body) {

@@ -53,6 +53,8 @@ class LiveBody {
   const Displacement& displacement() const {
     return m_scaled ? *m_scaled : m_moved->displacement();
   }
+  /// The longest displacement that is shown.
+  double longest_mm() const;
   const LinkCuts& cuts() const { return m_cuts; }  // as they were followed last
   const Renderer& renderer() const { return *m_renderer; }
   const ForwardOffsets& forward() const { return *m_forward; }

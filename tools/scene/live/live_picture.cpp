@@ -12,7 +12,6 @@
 #include "tools/scene/live/live_body.h"
 #include "tools/scene/run/staging.h"
 #include "tools/scene/run/view_pictures.h"
-#include "volumes/base/parallel.h"
 #include "volumes/base/stopwatch.h"
 
 namespace supple::tools {
@@ -61,6 +60,7 @@ struct LivePicture::Impl {
   Camera camera;
   Painter painter;
   bool is_new = true;
+  int looks = 0;
   std::mutex guard;  // of what interrupt() reaches from another thread
   std::unique_ptr<ProgressiveRender> progressive;
   std::unique_ptr<ProgressiveRender> finished;  // the last one of this view, to be followed
@@ -186,6 +186,7 @@ void LivePicture::look(const SceneView& view) {
   check_view(view);
   impl.drop_pictures();
   impl.is_new = true;
+  ++impl.looks;
   const State& state = impl.body.opened();
   SceneView next = effective_view(view, state.geometry, state.density.background());
   if (next.sampling.interpolation != impl.body.interpolation()) {
@@ -375,18 +376,11 @@ const Displacement& LivePicture::displacement() const {
 }
 
 double LivePicture::longest_mm() const {
-  const State& state = m_impl->body.opened();
-  const VectorBricks& u = m_impl->body.displacement().u;
-  return std::sqrt(parallel_reduce(
-      u.vectors.brick_count(), Grain{1}, 0.0,
-      [&](std::size_t b, double& most) {
-        const Vec3f* const vectors = u.vectors.brick(b);
-        for (int n = 0; vectors != nullptr && n < kBrickVoxels; ++n) {
-          const Vec3d mm = state.geometry.world_vector_from_index(Vec3d(vectors[n]));
-          most = std::max(most, mm.dot(mm));
-        }
-      },
-      [](double a, double b) { return std::max(a, b); }));
+  return m_impl->body.longest_mm();
+}
+
+LivePicture::Counts LivePicture::counts() const {
+  return {m_impl->looks, m_impl->body.opened_count()};
 }
 
 LivePicture::Memory LivePicture::memory() const {

@@ -78,6 +78,11 @@ class LivePicture {
   /// has moved. `exact`: by the inverse, which is brought up to date; else as is sooner.
   std::function<bool(const Vec3d& index, Vec3d& at_rest)> rest_places(bool exact);
   const Displacement& displacement() const;
+  /// Counts how often it was looked at otherwise, and its elements were other ones.
+  struct Counts {
+    int looks = 0, bodies = 0;
+  };
+  Counts counts() const;
   /// The longest displacement.
   double longest_mm() const;
   /// Memory that it keeps, in bytes.

@@ -28,6 +28,8 @@ export const kBindings = [
   {group: 'Deform', action: 'redo', keys: ['Ctrl+Shift+Z', 'Ctrl+y'], where: 'any', text: 'Make it again'},
 
   {group: 'Look', action: 'deformed', keys: [' '], where: 'any', text: 'Deformed or undeformed'},
+  {group: 'Look', action: 'curtain', keys: ['c'], where: 'any', text: 'A curtain between the body at rest and deformed, or none'},
+  {group: 'Look', action: 'blink', keys: ['v'], where: 'any', text: 'Blink: at rest and deformed in turn (Esc ends)'},
   {group: 'Look', action: 'reset-view', keys: ['r', '0'], where: 'any', text: 'Reset the view'},
   {group: 'Look', action: 'side-anterior', keys: ['1'], where: 'any', text: 'From anterior (Shift: from posterior)'},
   {group: 'Look', action: 'side-left', keys: ['3'], where: 'any', text: 'From left (Shift: from right)'},

@@ -18,6 +18,7 @@ export function exposed(app) {
     get tool() { return tools.stroke ? tools.stroke.constructor.name : tools.name; },
     /// Values under the pointer, where on the page that was asked, and milliseconds from events to answers.
     get pointer() { return copy(app.pointerValues.told); },
+    get curtain() { return copy(app.curtain.told()); },
     get measures() { return copy(tools.measures); },
     get settings() { return copy(app.settings); },
     /// Sends what changes nothing and is shown in slices after all that was sent before; its number.

@@ -16,7 +16,7 @@ export function parseFrame(buffer) {
   for (let i = 0; plane && i < 9; ++i) plane.push(bytes.getFloat64(kHeader + 8 * i, true));
   return {
     event: bytes.getUint32(4, true), frame: bytes.getUint32(8, true), view,
-    type: bytes.getUint8(13) === 1 ? 'image/png' : 'image/jpeg', settled: bytes.getUint8(14) === 1,
+    type: bytes.getUint8(13) === 1 ? 'image/png' : 'image/jpeg', settled: bytes.getUint8(14) === 1, isAtRest: bytes.getUint8(15) === 1,
     width: bytes.getUint16(16, true), height: bytes.getUint16(18, true),
     serverMs: bytes.getFloat32(20, true), plane, picture: new Uint8Array(buffer, start)};
 }

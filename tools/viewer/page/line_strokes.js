@@ -21,7 +21,7 @@ class LineStroke {
     this.tools.ended(this);
   }
   connectionChanged() { this.end(); }
-  pick(at) { return this.session.ask('pick', {view: this.view.name, at}); }
+  pick(at, more = {}) { return this.session.ask('pick', {view: this.view.name, at, ...more}); }
 }
 
 export class CutStroke extends LineStroke {
@@ -150,7 +150,7 @@ export class MeasureStroke extends LineStroke {
     const at = this.view.toPixels(x, y);
     if (this.view.name !== '3d') return this.view.plane.lpsOf(...at);
     try {
-      return (await this.pick(at))?.lps ?? null;
+      return (await this.pick(at, this.app.curtain.keysAt(this.view, x)))?.lps ?? null;
     } catch {
       return null;
     }

@@ -15,6 +15,7 @@ import {LookPanel} from './panels/look_panel.js';
 import {MaterialPanel} from './panels/material_panel.js';
 import {ScenePanel} from './panels/scene_panel.js';
 import {exposed} from './exposed.js';
+import {Curtain} from './curtain.js';
 import {PointerValues} from './pointer_values.js';
 import {nextSize} from './grab_stroke.js';
 import {partsOf, ViewLink} from './link.js';
@@ -34,6 +35,7 @@ class App {
     this.layout = new Layout(this, document.getElementById('views'));
     this.views = [new SliceView(this, 'axial'), new SpaceView(this), new SliceView(this, 'coronal'), new SliceView(this, 'sagittal')];
     this.layout.root.append(...this.views.map((view) => view.root));
+    this.curtain = new Curtain(this);
     this.active = this.view('3d');
     this.hovered = null;
     this.files = new Files(this);
@@ -158,6 +160,7 @@ class App {
   /// Carries an action out; false where it has no meaning now.
   act(action, event = new Event('act')) {
     if (this.tools.act(action, event)) return true;
+    if (action === 'cancel' && this.curtain.mode) return this.curtain.end() ?? true;
     const {session} = this;
     const view = this.viewForTools();
     const space = this.view('3d');
@@ -176,6 +179,7 @@ class App {
         session.tell('measures');
         this.refreshViews();
       },
+      'curtain': () => this.curtain.toggle(), 'blink': () => event.repeat || this.curtain.blink(),
       'deformed': () => this.showDeformed(!(session.scene?.deformed ?? true)),
       'reset-view': () => view.reset(event.timeStamp), 'projection': () => space.toggleProjection(event.timeStamp),
       'maximise': () => this.layout.toggle(view.name), 'next-view': () => this.layout.next(),

@@ -54,7 +54,7 @@ export class PointerValues {
     if (!this.session.scene || !view.frame) return;
     this.isAsking = true;
     try {
-      const hit = await this.session.ask('pick', {view: view.name, at: view.toPixels(place.x, place.y), values: true});
+      const hit = await this.session.ask('pick', {view: view.name, at: view.toPixels(place.x, place.y), values: true, ...this.app.curtain.keysAt(view, place.x)});
       this.show(view, place, hit);
       if (!isAgain) this.note(performance.now() - place.time);
     } catch { /* the next move asks again */ }

@@ -26,6 +26,7 @@ export class Session {
     this.latencies = new Latencies();
     this.timedView = '3d';  // whose pictures end an event's time
     this.gates = Object.fromEntries(kViews.map((view) => [view, new FrameGate()]));
+    this.restGates = Object.fromEntries(kViews.map((view) => [view, new FrameGate()]));
     this.cameras = [];  // {n, camera} that were sent and that no frame shows yet
     this.own = null;    // the last of them, until the scene has it
     this.seen = null;   // the one of the frame that is shown, if it is one of them
@@ -69,7 +70,7 @@ export class Session {
     this.cameras = [];
     this.own = this.seen = null;
     this.latencies.forget();
-    for (const gate of Object.values(this.gates)) gate.restart();
+    for (const gate of [...Object.values(this.gates), ...Object.values(this.restGates)]) gate.restart();
   }
 
   closed() {
@@ -174,9 +175,9 @@ export class Session {
     // Another connection counts anew; what it has not sent says nothing.
     if (frame.connection !== this.counts.connections) return false;
     this.connection.ack(frame.frame);
-    const passes = this.gates[frame.view].pass(frame);
+    const passes = (frame.isAtRest ? this.restGates : this.gates)[frame.view].pass(frame);
     if (!passes) ++this.counts.stale;
-    if (passes && frame.view === '3d') this.followCamera(frame.event);
+    if (passes && frame.view === '3d' && !frame.isAtRest) this.followCamera(frame.event);
     return passes;
   }
 

@@ -19,6 +19,9 @@ export class Toolbar {
     this.deformed.addEventListener('click', () => app.act('deformed'));
     this.amount = at('amount');
     this.amount.addEventListener('input', () => app.showAmount(this.amount.valueAsNumber / 100));
+    this.curtain = iconButton('curtain', 'Curtain', () => app.curtain.toggle(), {
+      id: 'curtain', 'aria-pressed': 'false', 'aria-keyshortcuts': 'C', title: 'Curtain between at rest and deformed (C); V blinks'});
+    at('amount-home').append(this.curtain);
     at('help').addEventListener('click', () => app.help.show());
     at('banner-retry').addEventListener('click', () => app.session.connection.retry());
     this.panelButton = at('toggle-panel');
@@ -93,7 +96,8 @@ export class Toolbar {
     this.deformed.setAttribute('aria-pressed', String(scene?.deformed ?? true));
     const amount = this.app.amount();
     this.deformed.textContent = scene && !scene.deformed ? 'At rest' : 'Deformed';
-    this.amount.disabled = !scene;
+    this.amount.disabled = this.curtain.disabled = !scene;
+    this.curtain.setAttribute('aria-pressed', String(this.app.curtain.mode !== null));
     this.amount.value = Math.round(100 * amount);
     document.getElementById('amount-text').textContent = `${Math.round(100 * amount)} %`;
     for (const tool of this.tools) {

@@ -60,10 +60,17 @@ export class Tools {
 
   /// Fields tell their values when they lose the focus, before the stroke asks for them.
   grabAt(view, place) {
+    if (this.isCovered(view, place)) return;
     this.stroke?.cancel();
     this.showBody();
     view.picture.focus({preventScroll: true});
     this.begin(new GrabStroke(this, view, place));
+  }
+  /// Where a curtain shows the body at rest, there is nothing for hands.
+  isCovered(view, {x}) {
+    const isCovered = this.app.curtain.covers(view, x);
+    if (isCovered) this.app.say('The body at rest is shown here: tools work where it is shown deformed (V, C)');
+    return isCovered;
   }
   /// Hands and cuts meet the body itself, not a part of its displacement.
   showBody() {
@@ -84,6 +91,7 @@ export class Tools {
 
   async anchorAt(view, {x, y}) {
     const {app} = this;
+    if (this.isCovered(view, {x})) return;
     try {
       const hit = await app.session.ask('pick', {view: view.name, at: view.toPixels(x, y)});
       if (!hit?.element) return app.say('There is no tissue to fix here');
@@ -111,6 +119,7 @@ export class Tools {
     }
     const Stroke = kStrokes[this.name];
     if (!Stroke) return false;
+    if (Stroke !== MeasureStroke && this.isCovered(view, place)) return true;
     if (Stroke !== MeasureStroke) this.showBody();
     this.begin(new Stroke(this, view, place));
     this.stroke.press(place);
@@ -159,7 +168,7 @@ export class Tools {
   }
   get scopes() {
     if (this.stroke instanceof GrabStroke) return ['grab', 'tool'];
-    return this.stroke || this.name !== 'none' || this.app.progress.isBusy ? ['tool'] : [];
+    return this.stroke || this.name !== 'none' || this.app.progress.isBusy || this.app.curtain.mode ? ['tool'] : [];
   }
 
   marks(view) {

@@ -4,6 +4,7 @@
 import {element, svg} from './elements.js';
 import {Gestures} from './gestures.js';
 import {drawMarks} from './marks.js';
+import {decodedOf, paint} from './picture.js';
 
 export class View {
   /// `app` joins session, tools and layout (main.js).
@@ -23,12 +24,11 @@ export class View {
     this.shown = {count: 0, event: 0, frame: 0, settled: false, wentBack: 0};
     this.decoding = 0;
     this.pointer = null;
-    this.context = this.canvas.getContext('2d', {alpha: false});
     this.gestures = new Gestures(this.picture, this);
     this.observer = new ResizeObserver(() => app.sizesChanged());
     this.observer.observe(this.picture);
     this.picture.addEventListener('focus', () => app.activate(this));
-    this.session.on('frame', (frame) => frame.view === name && this.received(frame));
+    this.session.on('frame', (frame) => frame.view === name && !frame.isAtRest && this.received(frame));
     this.session.on('scene', () => this.refresh());
   }
 
@@ -61,28 +61,15 @@ export class View {
   }
 
   async received(frame) {
-    let bitmap = null;
     ++this.decoding;
-    try {
-      bitmap = await createImageBitmap(new Blob([frame.picture], {type: frame.type}));
-    } catch {
-      this.session.addLog({level: 'warning', text: `a picture of the view ${this.name} could not be decoded`});
-    }
-    const passes = this.session.passes(frame);
-    if (bitmap && passes) this.draw(frame, bitmap);
+    const bitmap = await decodedOf(this.session, frame);
+    if (bitmap) this.draw(frame, bitmap);
     bitmap?.close();
     --this.decoding;
   }
 
   draw(frame, bitmap) {
-    if (this.canvas.width !== frame.width || this.canvas.height !== frame.height) {
-      this.canvas.width = frame.width;
-      this.canvas.height = frame.height;
-    }
-    // What is transparent lies on black, not on the picture before.
-    this.context.fillStyle = '#000';
-    this.context.fillRect(0, 0, frame.width, frame.height);
-    this.context.drawImage(bitmap, 0, 0, frame.width, frame.height);
+    paint(this.canvas, frame, bitmap);
     if (frame.frame < this.shown.frame || frame.event < this.shown.event) ++this.shown.wentBack;
     this.frame = frame;
     this.frame.picture = null;

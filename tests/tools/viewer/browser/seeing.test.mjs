@@ -7,6 +7,7 @@ import {loadavg} from 'node:os';
 import {join} from 'node:path';
 import {after, before} from 'node:test';
 import {Chromium, sleep} from './chromium.mjs';
+import {readPng} from './png.mjs';
 import {keep, missing, stepsOf} from './steps.mjs';
 import {Folder, Server, View} from './supple_view.mjs';
 import {distance, length, minus} from '../../../../tools/viewer/page/vectors.js';
@@ -264,4 +265,91 @@ step('a link restores the view to the byte, and leaves out what is as it was', a
   assert.deepEqual((await view.get('scene')).undo, undo);
   await page.eval(`location.hash = location.hash.slice(0, -7) + '!'`);
   await page.until('a damaged link is told of', `/cannot be read/.test(document.getElementById('say').textContent)`);
+});
+
+step('a curtain and blinking show the body at rest beside it, by one camera, and leave the session alone', async () => {
+  await page.eval(`document.querySelector('[aria-label="Remove clip 1"]')?.click()`);
+  await page.key('1');
+  await setAmount(0);
+  await view.until('rest is shown', '$scene.amount === 0');
+  const atRest = await settledPictures();
+  await setAmount(100);
+  await view.until('all of it is shown', '$scene.amount === 1');
+  const deformed = await settledPictures(), before = await view.get('scene');
+  const restPictures = () => page.eval(`Promise.all(${JSON.stringify(kViews)}.map((name) => document.querySelector('#view-' + name + ' canvas.at-rest').toDataURL('image/png')))`);
+  const isThere = (since = 0) => view.until('pictures at rest are there', `Object.values($curtain.views).every((one) => one.settled && one.event >= ${since})`, 30);
+
+  await page.key('c');
+  await isThere();
+  assert.deepEqual(await restPictures(), atRest, 'those of the body at rest, byte for byte');
+  assert.deepEqual(await settledPictures(), deformed);
+  await keep(page, 'curtain.png');
+
+  // The screen shows one on the left of the line, the other on its right.
+  const box = await page.box('#view-3d .picture');
+  const decoded = (data) => readPng(Buffer.from(data.split(',')[1], 'base64'));
+  const isSeen = async (part) => {
+    const [screen, rest, now] = [readPng(await page.picture()), decoded(atRest[0]), decoded(deformed[0])];
+    const same = {rest: 0, now: 0, differing: 0};
+    for (let y = 60; y < box.height - 60; ++y) {
+      for (let x = 60; x < box.width - 60; ++x) {
+        if (Math.abs(x - part * box.width) < 12) continue;  // the line with its letters
+        const at = (picture, i, j) => [0, 1, 2].map((c) => picture.pixels[(Math.round(j) * picture.width + Math.round(i)) * 3 + c]);
+        const [a, b] = [at(rest, x, y), at(now, x, y)];
+        if (distance(a, b) < 20) continue;
+        ++same.differing;
+        const seen = at(screen, box.x + x, box.y + y);
+        const isRest = distance(seen, a) < distance(seen, b);
+        if (x < part * box.width) same.rest += isRest;
+        else same.now += !isRest;
+      }
+    }
+    assert.ok(same.differing > 100 && same.rest + same.now > 0.9 * same.differing, JSON.stringify([part, same]));
+  };
+  await isSeen(0.5);
+  const grip = await page.middle('#view-3d .divider');
+  await page.drag(grip, [grip[0] + 0.2 * box.width, grip[1] + 9]);
+  assert.ok(Math.abs((await view.get('curtain')).position - 0.7) < 0.01, 'led by the mouse, in all views');
+  await isSeen(0.7);
+  assert.equal(await page.eval(`document.querySelector('#view-axial .divider').style.left`), '70%');
+  await page.eval(`document.querySelector('#view-3d .divider').focus()`);
+  for (const [key, position] of [['ArrowLeft', 0.68], ['Home', 0], ['ArrowRight', 0.02], ['End', 1]]) {
+    await page.key(key);
+    assert.ok(Math.abs((await view.get('curtain')).position - position) < 0.011, key);
+  }
+
+  // What is told and measured on the side at rest is of the body at rest; hands find nothing there.
+  const [x, y] = await partOf('3d', [0.5, 0.5]);
+  const {hit} = await valuesAt(x, y);
+  assert.ok(length(hit.displacement) === 0 && Math.abs(hit.density - densityAt(hit.index)) < 0.01);
+  await page.key('g');
+  await page.until('hands are told', `/body at rest is shown here/.test(document.getElementById('say').textContent)`);
+  assert.equal(await view.get('scene.grab'), null);
+
+  // Blinking asks for nothing.
+  await page.key('v');
+  const sent = await view.get('sent'), {count} = await view.get('views["3d"]');
+  const seenWhole = () => page.eval(`[...document.querySelectorAll('canvas.at-rest')].map((c) => c.hidden ? 'no' : c.style.clipPath)`);
+  assert.ok((await seenWhole()).every((clip) => /^inset\(0px 0%/.test(clip)), await seenWhole());
+  await keep(page, 'blink.png');
+  await page.key('v');
+  assert.ok((await seenWhole()).every((clip) => clip === 'no'));
+  assert.deepEqual([await view.get('sent'), (await view.get('views["3d"]')).count], [sent, count]);
+
+  // Both follow the camera and the slices.
+  await page.key('c');
+  await page.key('3');
+  await page.move(...await page.middle('#toolbar .brand'));
+  const turned = await settledPictures();
+  await isThere(await view.get('barrier()'));
+  const turnedAtRest = await restPictures();
+  assert.ok(turnedAtRest[0] !== atRest[0] && turnedAtRest[0] !== turned[0]);
+  await page.key('Escape');
+  await view.until('it is gone', '!$scene.curtain && !$curtain.mode');
+  await setAmount(0);
+  await view.until('rest is shown', '$scene.amount === 0');
+  assert.deepEqual(await settledPictures(), turnedAtRest);
+  await setAmount(100);
+  await view.until('all of it is shown', '$scene.amount === 1');
+  assert.deepEqual((await view.get('scene')).undo, before.undo);
 });
