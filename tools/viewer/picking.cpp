@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lib/session/session_body.h"
 #include "lib/session/step_model.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kRayDegrees = 1e-4, kRayHeightMm = 1e-4;
 /// An element further from what is seen than this, in voxels, is not what was meant.
 constexpr double kFurthestVoxels = 4;
+/// Bone may lie so far below what is seen of it.
+constexpr double kBelowSurfaceVoxels = 1.3;
 
 /// A camera whose picture of one pixel is the ray.
 Camera ray_camera(const Camera& camera, const Ray& ray) {
@@ -92,6 +95,39 @@ void add_tissue_values(OpenScene& scene, const Vec3d& index, const RestPlaceAt& 
                                      classes.poisson_of_class(of));
 }
 
+/// The rigid piece of the nearest bone to a place at rest, which may lie just below its surface;
+/// null where there is none so near.
+Value piece_json(OpenScene& scene, const Vec3d& at_rest) {
+  const Session& session = scene.live().session();
+  const Body& body = session.body();
+  const Vec3i middle(int(std::lround(at_rest.x)), int(std::lround(at_rest.y)),
+                     int(std::lround(at_rest.z)));
+  double nearest = kBelowSurfaceVoxels * kBelowSurfaceVoxels;
+  int number = -1;
+  Vec3i voxel(0);
+  for (int n = 0; n < 27 && !body.rigid.empty(); ++n) {
+    const Vec3i tried = middle + Vec3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    const Vec3d apart = Vec3d(tried) - at_rest;
+    Slot slot = 0;
+    if (apart.dot(apart) > nearest || !slot_of(body.elements, tried, slot)) continue;
+    if (body.rigid.at(slot) < 0) continue;
+    nearest = apart.dot(apart);
+    number = body.rigid.at(slot);
+    voxel = tried;
+  }
+  if (number < 0) return nullptr;
+  const RigidPiece& piece = body.rigid.list[std::size_t(number)];
+  Slot held = 0;
+  const bool is_fixed =
+      piece.elements->first_common(scene.live().session().held_body().fixed_elements(), held);
+  Vec3d now = piece.centre_index;
+  for (int a = 0; a < 3; ++a) now[a] += double(piece.pose.shift_q[std::size_t(a)]) / kFixedOne;
+  return {{"name", piece.name},
+          {"voxel", voxel},
+          {"fixed", is_fixed},
+          {"middle", body.geometry.world_from_index(now)}};
+}
+
 /// What is seen at a place of the index frame.
 Value place_json(OpenScene& scene, const Vec3d& index, const PickRequest& request) {
   LivePicture& picture = scene.picture();
@@ -104,6 +140,10 @@ Value place_json(OpenScene& scene, const Vec3d& index, const PickRequest& reques
   Value json = {
       {"index", index}, {"lps", state.geometry.world_from_index(index)}, {"element", is_element}};
   if (is_element) json["voxel"] = voxel;
+  if (is_element && !request.values) {
+    const Value piece = piece_json(scene, at_rest);
+    if (!piece.is_null()) json["rigid"] = piece;
+  }
   if (is_element && request.values) add_tissue_values(scene, index, rest, voxel, json);
   if (is_known) {
     json["rest_lps"] = state.geometry.world_from_index(at_rest);

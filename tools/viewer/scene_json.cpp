@@ -63,9 +63,13 @@ Value history_json(const std::vector<History::Entry>& entries) {
 }
 
 Value drag_json(const LiveHand::Led& led) {
-  constexpr double kWholeMm = 1e-3;
-  const bool is_whole = (led.asked - led.reached).length() < kWholeMm;
+  constexpr double kWholeMm = 1e-3, kWholeDegrees = 1e-3;
+  const bool is_whole = (led.asked - led.reached).length() < kWholeMm &&
+                        std::abs(led.asked_deg - led.reached_deg) < kWholeDegrees;
   Value json = {{"asked", led.asked}, {"reached", led.reached}, {"moved", led.moved}};
+  if (led.asked_deg > 0 || led.reached_deg > 0) {
+    json["turn"] = {{"asked", led.asked_deg}, {"reached", led.reached_deg}};
+  }
   json["stopped_by"] = is_whole ? Value(nullptr) : Value(led.by_cut ? "cut" : "held");
   return json;
 }

@@ -26,11 +26,12 @@ Fields own_fields(LiveEvent& event) {
   for (const Field& field : fields(event)) {
     const std::string& name = field.name();
     const bool is_missing =
-        (name == "to" && kind != EventKind::drag) || (name == "all" && !is_release && !is_back) ||
-        (name == "looks" && !is_back) || (name == "restore" && !is_release) ||
-        (name == "handle" && !is_release) || (name == "anchor" && !is_release) ||
-        (name == "cut" && !is_release) || (name == "no_relax" && !is_release) ||
-        (name == "limits" && kind != EventKind::limits);
+        ((name == "to" || name == "turn") && kind != EventKind::drag) ||
+        (name == "joint" && kind != EventKind::grab) ||
+        (name == "all" && !is_release && !is_back) || (name == "looks" && !is_back) ||
+        (name == "restore" && !is_release) || (name == "handle" && !is_release) ||
+        (name == "anchor" && !is_release) || (name == "cut" && !is_release) ||
+        (name == "no_relax" && !is_release) || (name == "limits" && kind != EventKind::limits);
     if (!is_missing) own.push_back(field);
   }
   return own;
@@ -50,6 +51,9 @@ void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
   handle.spares_fixed = table.get<bool>("spare_fixed").value_or(false);
   handle.slides = table.get<bool>("slide").value_or(false);
   handle.pushes = event.kind == EventKind::push;
+  if (event.joint_mm > 0 && !handle.placed->rigid_at) {
+    table.fail("joint", "no rigid piece that is grabbed", "rigid_at = [i, j, k] beside it");
+  }
 }
 
 void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
@@ -163,6 +167,15 @@ Fields fields(LiveEvent& event) {
           .at_least(0),
       Field("to", event.to, "Of drag: from where it was grabbed, in directions as a scene's by")
           .unit("mm"),
+      Field("turn", event.turn,
+            "Of drag, where the grab has rigid_at: axis times angle of the piece's turn about its "
+            "middle since it was grabbed, right-handed, in the same directions")
+          .unit("degrees"),
+      Field("joint", event.joint_mm,
+            "Of grab, where it has rigid_at: tissue around the piece is parted before it moves, "
+            "where another piece is so near")
+          .unit("mm")
+          .at_least(0),
       Field("all", event.all,
             "Of release: let go of everything that is held or fixed; of undo and redo: all drags "
             "since one grab, or all of a relaxation"),

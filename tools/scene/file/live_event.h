@@ -45,6 +45,8 @@ struct LiveEvent {
   std::int64_t number = 0;  // of who posts it, in no file
   int page = 0;             // the page that posts it, in no file; 0: none
   Vec3d to{0, 0, 0};
+  Vec3d turn{0, 0, 0};  // of drag: axis times degrees, about the middle, in directions as `to`
+  double joint_mm = 0;  // of grab and push
   bool all = false, looks = false;
   bool restore = false, no_relax = false;
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none

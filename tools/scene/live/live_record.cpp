@@ -27,6 +27,8 @@ Value keys_of_event(const LiveEvent& event) {
   Value json = {{"kind", name_of(event.kind)}, {"at", event.at_ms}};
   if (event.merged > 0) json["merged"] = event.merged;
   if (event.kind == EventKind::drag) json["to"] = event.to;
+  if (event.turn != Vec3d(0)) json["turn"] = event.turn;
+  if (event.joint_mm > 0) json["joint"] = event.joint_mm;
   if (event.all) json["all"] = true;
   if (event.looks) json["looks"] = true;
   if (event.restore) json["restore"] = true;

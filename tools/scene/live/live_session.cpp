@@ -109,7 +109,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       asked.drags.front().placed->by = Vec3d(0);
       check_places(asked, m_session->geometry());
       m_session->check(asked);
-      m_hand = {event, Vec3d(0), {}};
+      m_hand = {event, Vec3d(0), {}, PieceInHand::of(asked, *m_session)};
       m_history.hand_stroke = ++m_history.stroke;
       break;
     }
@@ -150,7 +150,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
     throw InputError({event.place, "drag", "nothing that is grabbed", "grab or push before it"});
   }
   const Vec3d by = event.to - m_hand.reached;
-  if (by == Vec3d(0)) return;
+  const bool begins = m_history.done.empty() || m_history.done.back().kind != EventKind::drag ||
+                      m_history.done.back().stroke != m_history.hand_stroke;
   Step step;
   step.place = event.place;
   step.drags = m_hand.grab->step.drags;
@@ -159,8 +160,15 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   Value handle_keys = handle.placed->keys;
   handle_keys["by"] = by;
   if (handle.pushes) handle_keys["push"] = handle.placed->keys["push"] = true;
+  if (!m_hand.piece && event.turn != Vec3d(0)) {
+    throw InputError({event.place, "turn", "a handle of no rigid piece", "rigid_at in the grab"});
+  }
+  const bool turns = m_hand.piece && m_hand.piece->add_turn(event, *m_session, handle, handle_keys);
+  if (by == Vec3d(0) && !turns) return;
   step.no_relax = true;
   step.keys = {{"handles", Value::List{std::move(handle_keys)}}, {"no_relax", true}};
+  const double joint_mm = m_hand.grab->joint_mm;
+  if (joint_mm > 0 && begins) m_hand.piece->add_joint(joint_mm, *m_session, handle, step);
   const bool is_by_model = m_model && !model().waits_for_hands;
   step.shift_pieces = !m_session->body().rigid.empty() && !is_by_model;
   if (step.shift_pieces) step.keys["shift_pieces"] = true;
@@ -177,10 +185,16 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   const StepRecord& record = m_session->records().back();
   m_hand.reached = before + way_done(record, by);
   const std::int64_t moved = m_hand.led ? m_hand.led->moved : 0;
-  m_hand.led = {event.to, m_hand.reached, record.contact.parts < kContactParts,
+  const double turned_deg = m_hand.piece ? m_hand.piece->turned_deg(*m_session) : 0;
+  m_hand.led = {event.to,
+                m_hand.reached,
+                asked_deg(event),
+                turned_deg,
+                record.contact.parts < kContactParts,
                 std::max(moved, record.report.moved)};
   m_history.done.back().reached_before = before;
   m_history.done.back().reached = m_hand.reached;
+  m_history.done.back().turned_deg = turned_deg;
 }
 
 /// Lets go; then finite elements take over, or pieces that were dragged along turn and tissue

@@ -12,6 +12,7 @@
 
 #include "lib/session/session.h"
 #include "tools/scene/file/live_event.h"
+#include "tools/scene/live/piece_in_hand.h"
 #include "volumes/base/value.h"
 
 namespace supple {
@@ -37,6 +38,7 @@ struct DoneStep {
   Step step;
   Vec3d reached_before;
   Vec3d reached;
+  double turned_deg = 0;  // of a rigid piece in hand
 };
 
 /// A look or clips, and what they replaced: keys of that part of the view.
@@ -65,12 +67,14 @@ struct LiveHand {
   /// Aim of the last drag, and where it led.
   struct Led {
     Vec3d asked{0, 0, 0}, reached{0, 0, 0};
-    bool by_cut = false;     // the sides of a cut stopped it
-    std::int64_t moved = 0;  // elements, at most by one drag since the grab
+    double asked_deg = 0, reached_deg = 0;  // of a rigid piece's turn
+    bool by_cut = false;                    // the sides of a cut stopped it
+    std::int64_t moved = 0;                 // elements, at most by one drag since the grab
   };
   std::optional<LiveEvent> grab;
   Vec3d reached{0, 0, 0};
   std::optional<Led> led;
+  std::optional<PieceInHand> piece;  // that it takes whole
 };
 
 /// Parts that are held and fixed since everything was let go of last.

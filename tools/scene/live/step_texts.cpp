@@ -21,6 +21,12 @@ std::string mm_text(double mm) {
   return text;
 }
 
+std::string degrees_text(double degrees) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f\u00b0", degrees);
+  return text;
+}
+
 /// Numbers of a list, separated by commas.
 std::string list_text(const Value& list) {
   std::string text;
@@ -28,10 +34,11 @@ std::string list_text(const Value& list) {
   return text;
 }
 
-std::string drag_text(const DoneStep& first, const Vec3d& way) {
+std::string drag_text(const DoneStep& first, const Vec3d& way, double turned_deg) {
   const bool is_push = first.step.drags.front().pushes;
   const std::size_t handles = first.step.drags.size();
   std::string text = std::string(is_push ? "push " : "drag ") + mm_text(std::sqrt(way.dot(way)));
+  if (turned_deg > 0) text += ", turn " + degrees_text(turned_deg);
   if (handles > 1) return text + ", " + std::to_string(handles) + " handles";
   text += " at " + place_text(first.step.drags.front().placed->keys);
   return has_own_model(first.step) ? text + " by " + model_of(first.step).title : text;
@@ -72,7 +79,7 @@ std::string scene_step_text(const DoneStep& done) {
   if (step.release) return release_text(step);
   if (!step.cuts.empty()) return cut_text(done);
   if (!step.drags.empty()) {
-    return drag_text(done, step.drags.front().placed->by.value_or(Vec3d(0)));
+    return drag_text(done, step.drags.front().placed->by.value_or(Vec3d(0)), 0);
   }
   if (!step.remove.empty()) return "parts removed";
   if (!step.retract.empty()) return "wound opened";
@@ -147,10 +154,13 @@ std::string step_text(const Stroke& stroke) {
   switch (first.kind) {
     case EventKind::drag: {
       Vec3d way(0);
+      double turned_deg = 0;
       for (const DoneStep* done : stroke) {
-        if (done->kind == EventKind::drag) way = done->reached;
+        if (done->kind != EventKind::drag) continue;
+        way = done->reached;
+        turned_deg = done->turned_deg;
       }
-      return drag_text(first, way);
+      return drag_text(first, way, turned_deg);
     }
     case EventKind::cut:
       return cut_text(first);

@@ -8,6 +8,7 @@ export const kBindings = [
   {group: 'Deform', action: 'axis-x', keys: ['x'], where: 'grab', text: 'While grabbing: only to the patient’s left and right'},
   {group: 'Deform', action: 'axis-y', keys: ['y'], where: 'grab', text: 'While grabbing: only to anterior and posterior'},
   {group: 'Deform', action: 'axis-z', keys: ['z'], where: 'grab', text: 'While grabbing: only to superior and inferior'},
+  {group: 'Deform', action: 'turn', keys: ['r'], where: 'grab', text: 'While a bone is grabbed: turn it about its middle; X, Y, Z and a number of degrees constrain, G moves again'},
   {group: 'Deform', action: 'nudge-left', keys: ['ArrowLeft'], where: 'grab', text: 'While grabbing: 1 mm (Shift: 10 mm) to the left of the picture'},
   {group: 'Deform', action: 'nudge-right', keys: ['ArrowRight'], where: 'grab', text: 'While grabbing: to the right of the picture'},
   {group: 'Deform', action: 'nudge-up', keys: ['ArrowUp'], where: 'grab', text: 'While grabbing: up in the picture'},

@@ -1,8 +1,9 @@
-// One grab from press to release: the tissue under the pointer follows it in the plane of the view, or
-// along one of the patient's axes. Esc restores what was, Enter or release keeps.
+// One grab from press to release: the tissue under the pointer, or the whole bone, follows it in the plane
+// of the view, or along one of the patient's axes; a bone turns, too. Esc restores what was, Enter or release keeps.
 
 import {alongAxis} from './camera.js';
 import {short, svg} from './elements.js';
+import {PieceTurn} from './piece_turn.js';
 import {stopper} from './stopper.js';
 import {add, length, normalized, times} from './vectors.js';
 
@@ -21,8 +22,15 @@ export function nextSize(radius, steps) {
 /// What the last drag asked for and reached, and who stopped it.
 function wayText(session, voxel) {
   const {scene: {drag}, geometry} = session;
+  const isWhole = !drag.stopped_by;
+  const far = reachedTexts(drag, geometry, isWhole).join(', ');
+  return isWhole ? far : `${far}, ${stopper(session, voxel)} it`;
+}
+/// mm and, of a bone, degrees.
+function reachedTexts(drag, geometry, isWhole) {
   const [asked, reached] = [drag.asked, drag.reached].map((mm) => short(length(geometry.lpsOfGrid(mm)), 3));
-  return drag.stopped_by ? `${reached} of ${asked} mm, ${stopper(session, voxel)} it` : `${reached} mm`;
+  const of = (got, wanted, unit) => isWhole || got === wanted ? `${got}${unit}` : `${got} of ${wanted}${unit}`;
+  return [of(reached, asked, ' mm'), ...(drag.turn ? [of(drag.turn.reached.toFixed(1), drag.turn.asked.toFixed(1), '°')] : [])];
 }
 function madeText(session, voxel) {
   const drag = session.scene?.drag;
@@ -40,7 +48,9 @@ export class GrabStroke {
     this.nudged = [0, 0, 0];  // LPS mm, by keys
     this.to = [0, 0, 0];      // mm along the grid axes
     this.events = [];
+    this.turnOnGrid = [0, 0, 0];  // axis along the grid times degrees
     this.pick = null;
+    this.piece = null;            // the bone in hand, and its turn
     this.find();
   }
 
@@ -53,6 +63,9 @@ export class GrabStroke {
         return this.end();
       }
       this.pick = hit;
+      // A bone that nothing fixes comes as a whole.
+      if (hit.rigid && !hit.rigid.fixed && !this.app.settings.push) this.piece = {...hit.rigid, turn: new PieceTurn()};
+      if (this.wantsTurn) this.switchTo('turn');
       this.hold();
       this.follow();
       if (this.isKept) this.keep();
@@ -65,7 +78,11 @@ export class GrabStroke {
   hold() {
     const {voxel} = this.pick;
     const kind = this.app.settings.push ? 'push' : 'grab';
-    const {soft} = this.app.settings;
+    const {soft, joint} = this.app.settings;
+    if (this.piece) {
+      this.events.push(this.session.event({kind, rigid_at: this.piece.voxel, ...(joint > 0 ? {joint} : {}), slide: true}));
+      return this.tell();
+    }
     const place = this.radius > 0 ? {grab_ball: voxel, radius: this.radius} : {grab: voxel};
     // Beside an anchor the handle takes what the anchor does not hold.
     this.events.push(this.session.event({kind, ...place, ...(soft > 0 ? {soft} : {}), spare_fixed: true, slide: true}));
@@ -89,6 +106,7 @@ export class GrabStroke {
   /// Where the tissue is led to, and a drag event if that is another place.
   follow(time = performance.now()) {
     if (!this.pick) return;
+    if (this.piece?.turn.isOn) return this.followTurn(time);
     const {geometry} = this.session;
     const [dx, dy] = [this.at[0] - this.start[0], this.at[1] - this.start[1]];
     const onGrid = add(times(this.pick.right, dx), times(this.pick.down, dy));
@@ -99,8 +117,47 @@ export class GrabStroke {
     const to = geometry.gridOfLps(shift).map((mm) => Math.round(mm * 1e4) / 1e4);
     if (to.every((mm, a) => mm === this.to[a])) return;
     this.to = to;
-    this.events.push(this.session.event({kind: 'drag', to}, time));
+    this.lead(time);
+  }
+  lead(time) {
+    const turn = length(this.turnOnGrid) > 0 ? {turn: this.turnOnGrid} : {};
+    this.events.push(this.session.event({kind: 'drag', to: this.to, ...turn}, time));
     this.events.splice(0, this.events.length - 50);
+    this.tell();
+  }
+  /// The middle of the bone as it is asked for, in pixels.
+  middle() { return this.view.pixelOf(add(this.piece.middle, this.session.geometry.lpsOfGrid(this.to))); }
+  followTurn(time) {
+    const {turn} = this.piece, {geometry} = this.session, middle = this.middle();
+    if (middle) turn.sweep(this.at, middle);
+    turn.lead(this.view.directions().forward, this.axis && kAxes[this.axis], this.amount());
+    const degrees = turn.vector(), along = geometry.gridOfLps(degrees);
+    const scale = length(along) > 0 ? length(degrees) / length(along) : 0;
+    const onGrid = along.map((value) => Math.round(value * scale * 1e6) / 1e6);
+    if (onGrid.every((value, a) => value === this.turnOnGrid[a])) return;
+    this.turnOnGrid = onGrid;
+    this.lead(time);
+  }
+  /// From moving to turning and back; what was done stays.
+  switchTo(what) {
+    if (!this.pick) {
+      this.wantsTurn = what === 'turn';
+      return;
+    }
+    if (!this.piece) return this.app.say('Only bones turn that nothing fixes: grab one of them');
+    const {turn} = this.piece;
+    if (turn.isOn === (what === 'turn')) return;
+    if (turn.isOn) {
+      turn.end();
+      this.start = this.at;
+      this.nudged = this.session.geometry.lpsOfGrid(this.to);
+    } else {
+      turn.begin();
+      const middle = this.middle();
+      if (middle) turn.sweep(this.at, middle);
+    }
+    this.axis = null;
+    this.typed = '';
     this.tell();
   }
 
@@ -123,17 +180,29 @@ export class GrabStroke {
     this.tell();
   }
 
+  /// The element whose handle it is.
+  voxel() { return this.piece?.voxel ?? this.pick.voxel; }
   /// How far it was led, and how far it came.
   tell() {
     if (!this.pick) return;
     const {scene} = this.session;
     const isKnown = scene?.drag && this.session.lastCarriedOut >= this.events.at(-1);
-    const far = isKnown ? wayText(this.session, this.pick.voxel) : `${short(length(this.session.geometry.lpsOfGrid(this.to)), 3)} mm`;
+    const far = isKnown ? wayText(this.session, this.voxel()) : `${short(length(this.session.geometry.lpsOfGrid(this.to)), 3)} mm`;
+    if (this.piece) return this.tellPiece(far);
     const axis = this.axis ? ` along ${{'axis-x': 'left–right', 'axis-y': 'anterior–posterior', 'axis-z': 'superior–inferior'}[this.axis]}` : '';
     const way = this.axis && this.amount() ? ` to the ${kWays[this.axis][this.amount() < 0 ? 1 : 0]}` : axis;
     const led = this.typed ? `${this.typed}▏mm${way}${isKnown ? ', ' + far : ''}` : far + axis;
     this.app.say(`Grabbed ${this.pick.voxel.join(', ')}: ${led}; handle ${this.radius} mm. ` +
                  'Enter keeps, Esc restores, X Y Z and a number constrain, wheel: size');
+    this.view.refresh();
+  }
+
+  tellPiece(far) {
+    const {turn, name} = this.piece;
+    const axis = this.axis ? ` ${turn.isOn ? 'about' : 'along'} ${{'axis-x': 'left–right', 'axis-y': 'anterior–posterior', 'axis-z': 'superior–inferior'}[this.axis]}` : '';
+    const typed = this.typed ? `${this.typed}▏${turn.isOn ? '°' : ' mm'}${axis}, ` : '';
+    this.app.say(`Bone ${name}: ${typed}${far}${this.typed ? '' : axis}. ` +
+                 `${turn.isOn ? 'G moves' : 'R turns'}, X Y Z and a number constrain, Enter keeps, Esc restores`);
     this.view.refresh();
   }
 
@@ -146,7 +215,7 @@ export class GrabStroke {
   /// Another handle at the same place, led as far.
   resize(steps) {
     const radius = nextSize(this.radius, steps);
-    if (!this.pick || radius === this.radius) return;
+    if (!this.pick || this.piece || radius === this.radius) return;
     this.radius = this.app.settings.radius = radius;
     this.app.settingsChanged();
     this.session.event({kind: 'release', restore: true});
@@ -161,6 +230,14 @@ export class GrabStroke {
       this.axis = this.axis === action ? null : action;
       this.follow();
       if (this.pick) this.tell();
+    } else if (action === 'turn') {
+      this.switchTo('turn');
+    } else if (action === 'grab' && this.piece?.turn.isOn) {
+      this.switchTo('move');
+    } else if (action in kNudges && this.piece?.turn.isOn) {
+      const [right, up] = kNudges[action];
+      this.piece.turn.nudge((right || up) * (shiftKey ? 10 : 1));
+      this.follow();
     } else if (action in kNudges) {
       const [right, up] = kNudges[action];
       const directions = this.view.directions();
@@ -179,7 +256,7 @@ export class GrabStroke {
     this.isKept = true;
     if (!this.pick) return;  // as soon as it is known what was grabbed
     const n = this.session.event({kind: 'release'});
-    if (n) this.app.sayWhenDone(n, () => `Kept: ${madeText(this.session, this.pick.voxel)}. Ctrl+Z takes it back`);
+    if (n) this.app.sayWhenDone(n, () => `Kept: ${madeText(this.session, this.voxel())}. Ctrl+Z takes it back`);
     else this.app.say(kNotKept);
     this.end();
   }
@@ -213,6 +290,20 @@ export class GrabStroke {
     const to = this.view.pixelOf(add(this.pick.lps, geometry.lpsOfGrid(this.to)));
     if (!from || !to) return [];
     const [[x1, y1], [x2, y2]] = [this.view.toCss(from), this.view.toCss(to)];
+    if (this.piece) return this.pieceMarks([x1, y1], [x2, y2]);
     return [svg('line', {class: 'way', x1, y1, x2, y2}), this.tools.brush(this.view, x2, y2, this.radius)];
+  }
+  /// Where the bone is led, and beside the pointer how far it has come.
+  pieceMarks([x1, y1], [x2, y2]) {
+    const {turn} = this.piece;
+    const [x, y] = this.view.toCss(this.at), middle = this.middle();
+    const {drag} = this.session.scene, isKnown = drag && this.session.lastCarriedOut >= this.events[0];
+    const texts = isKnown ? reachedTexts(drag, this.session.geometry, !drag.stopped_by) : [];
+    return [svg('line', {class: 'way', x1, y1, x2, y2}), ...(turn.isOn && middle ? turn.marks(this.view.toCss(middle), [x, y]) : []),
+            ...texts.map((words, i) => {
+              const made = svg('text', {class: 'hand-text', x: x + 14, y: y - 8 + 16 * i});
+              made.textContent = words;
+              return made;
+            })];
   }
 }

@@ -27,7 +27,7 @@ class App {
     const socket = new URL('socket', location.href);  // beside the page, wherever a proxy shows it
     socket.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
     this.session = new Session(socket.href, token);
-    this.settings = {radius: 5, soft: 5, push: false, cutDepth: 20, cutAbove: 5, crosshair: true};
+    this.settings = {radius: 5, soft: 5, joint: 0, push: false, cutDepth: 20, cutAbove: 5, crosshair: true};
     this.settingListeners = [];
     this.slices = new Slices(this.session);
     this.tools = new Tools(this);

@@ -4,8 +4,9 @@ import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import * as cameras from '../../../../tools/viewer/page/camera.js';
 import {Geometry, PixelPlane, scaleBar} from '../../../../tools/viewer/page/geometry.js';
+import {PieceTurn} from '../../../../tools/viewer/page/piece_turn.js';
 import {simplified, strokeLength} from '../../../../tools/viewer/page/strokes.js';
-import {add, cross, distance, dot, length, minus, normalized, times} from '../../../../tools/viewer/page/vectors.js';
+import {add, cross, distance, dot, length, minus, normalized, times, turned as turnedBy} from '../../../../tools/viewer/page/vectors.js';
 
 /// Numbers in [0, 1) that are the same in every run (Park and Miller 1988).
 let seed = 20;
@@ -159,4 +160,26 @@ test('a simplified line keeps its ends and stays within its tolerance', () => {
     assert.ok(Math.abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) / Math.hypot(x1 - x0, y1 - y0) <= 2 + 1e-9);
   }
   assert.equal(strokeLength([[0, 0], [3, 4], [3, 5]]), 6);
+});
+
+test('turns of a bone follow one another, swept or typed, and beyond half a turn', () => {
+  const turn = new PieceTurn();
+  turn.begin();
+  turn.sweep([10, 0], [0, 0]);
+  for (let degrees = 5; degrees <= 200; degrees += 5) {
+    turn.sweep([10 * Math.cos(degrees * Math.PI / 180), 10 * Math.sin(degrees * Math.PI / 180)], [0, 0]);
+  }
+  turn.lead([0, 1, 0], null, null);
+  assert.equal(turn.degrees, 200);  // clockwise, as seen along y
+  nearAll(turn.vector(), [0, -160, 0], 1e-9);
+  turn.lead([0, 1, 0], [0, -1, 0], null);
+  assert.equal(turn.degrees, -200);
+  turn.lead([0, 1, 0], [0, 0, 1], 30);
+  turn.end();
+  turn.begin();
+  turn.lead([0, 1, 0], [1, 0, 0], 50);
+  const all = turn.vector();
+  for (const x of [[1, 0, 0], [0, 1, 0], [0.3, -2, 1]]) {
+    nearAll(turnedBy(x, normalized(all), length(all)), turnedBy(turnedBy(x, [0, 0, 1], 30), [1, 0, 0], 50), 1e-9);
+  }
 });

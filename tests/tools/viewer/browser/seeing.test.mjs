@@ -277,7 +277,8 @@ step('a curtain and blinking show the body at rest beside it, by one camera, and
   await view.until('all of it is shown', '$scene.amount === 1');
   const deformed = await settledPictures(), before = await view.get('scene');
   const restPictures = () => page.eval(`Promise.all(${JSON.stringify(kViews)}.map((name) => document.querySelector('#view-' + name + ' canvas.at-rest').toDataURL('image/png')))`);
-  const isThere = (since = 0) => view.until('pictures at rest are there', `Object.values($curtain.views).every((one) => one.settled && one.event >= ${since})`, 30);
+  const isThere = (camera = 0, slices = 0) => view.until('pictures at rest are there',
+    `Object.entries($curtain.views).every(([name, one]) => one.settled && one.event >= (name === '3d' ? ${camera} : ${slices}))`, 60);
 
   await page.key('c');
   await isThere();
@@ -339,9 +340,10 @@ step('a curtain and blinking show the body at rest beside it, by one camera, and
   // Both follow the camera and the slices.
   await page.key('c');
   await page.key('3');
+  const camera = await view.get('sent');
   await page.move(...await page.middle('#toolbar .brand'));
   const turned = await settledPictures();
-  await isThere(await view.get('barrier()'));
+  await isThere(camera, await view.get('barrier()'));
   const turnedAtRest = await restPictures();
   assert.ok(turnedAtRest[0] !== atRest[0] && turnedAtRest[0] !== turned[0]);
   await page.key('Escape');

@@ -9,6 +9,7 @@ function selectionText({text, event = {}}) {
   const place = (v) => v.map((x) => Math.round(x * 10) / 10).join(', ');
   if (event.grab) return `voxel ${place(event.grab)}`;
   if (event.grab_ball) return `ball at ${place(event.grab_ball)}, ${event.radius ?? 0} mm`;
+  if (event.rigid_at) return `bone at ${place(event.rigid_at)}`;
   if (event.grab_box) return `box ${place(event.grab_box)}`;
   return text;
 }
@@ -63,6 +64,7 @@ export class DeformPanel {
     return section('Tools', true,
       field('Handle radius', this.radius, 'mm', '0: one voxel. The wheel changes it while grabbing'),
       field('Soft edge', setting('soft', 0), 'mm', 'Tissue around the handle that follows in part'),
+      field('Joint around bone', setting('joint', 0), 'mm', 'Tissue around a bone that is grabbed is parted first, wherever another bone is so near; 0: it is not'),
       checkbox('Push: tissue is moved ahead and does not stick', settings.push, (push) => { settings.push = push; }),
       field('Depth of cuts', setting('cutDepth', 0.1), 'mm', 'From the surface inwards; in slices half to each side'),
       field('… and above the line', setting('cutAbove', 0), 'mm', 'Against the direction, to cut what is above the points'),
