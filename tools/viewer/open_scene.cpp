@@ -216,10 +216,7 @@ void OpenScene::settled(const Image& image, const Stopwatch& since_event) {
 /// Draws slices in haste while the picture moves, and exactly once it has settled.
 bool OpenScene::work() {
   if (!m_is_told && may_tell()) tell_scene();
-  return draw_next_pane() || draw_next_at_rest();
-}
-
-bool OpenScene::draw_next_at_rest() {
+  if (draw_next_pane()) return true;
   std::optional<RestPane> pane = m_curtain.next(m_budget_ms / 2);
   if (!pane) return false;
   FrameMessage frame = frame_of(pane->view, 0);

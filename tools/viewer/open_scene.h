@@ -84,7 +84,6 @@ class OpenScene final : public LoopWatcher {
   bool work() override;
   bool has_later_work() const override { return !m_is_told; }
   bool draw_next_pane();
-  bool draw_next_at_rest();
   bool may_tell() const;
   void choose_painter();
   ScalarRange overlay_range();
