@@ -6,6 +6,7 @@
 #include "lib/session/step_model.h"
 #include "tools/scene/live/live_view.h"
 #include "tools/scene/live/model_price.h"
+#include "tools/scene/live/piece_in_hand.h"
 #include "tools/scene/plan/memory_need.h"
 
 namespace supple::tools {

@@ -12,7 +12,6 @@
 
 #include "lib/session/session.h"
 #include "tools/scene/file/live_event.h"
-#include "tools/scene/live/piece_in_hand.h"
 #include "volumes/base/value.h"
 
 namespace supple {
@@ -23,6 +22,7 @@ namespace supple::tools {
 
 class LiveJournal;
 class LiveView;
+class PieceInHand;
 struct Scene;
 struct SceneView;
 
@@ -74,7 +74,7 @@ struct LiveHand {
   std::optional<LiveEvent> grab;
   Vec3d reached{0, 0, 0};
   std::optional<Led> led;
-  std::optional<PieceInHand> piece;  // that it takes whole
+  std::shared_ptr<const PieceInHand> piece;  // that it takes whole; null: none
 };
 
 /// Parts that are held and fixed since everything was let go of last.

@@ -24,13 +24,13 @@ int number_at(const Body& body, const Vec3i& voxel) {
 
 }  // namespace
 
-std::optional<PieceInHand> PieceInHand::of(const Step& grab, const Session& session) {
-  if (!grab.drags.front().placed->rigid_at) return std::nullopt;
+std::shared_ptr<const PieceInHand> PieceInHand::of(const Step& grab, const Session& session) {
+  if (!grab.drags.front().placed->rigid_at) return nullptr;
   const Step found = on_grid(grab, session.geometry());
   PieceInHand held(*found.drags.front().selection->rigid_at);
-  if (number_at(session.body(), held.m_voxel) < 0) return std::nullopt;
+  if (number_at(session.body(), held.m_voxel) < 0) return nullptr;
   held.m_grabbed = held.piece(session).pose.turn;
-  return held;
+  return std::make_shared<const PieceInHand>(held);
 }
 
 const RigidPiece& PieceInHand::piece(const Session& session) const {

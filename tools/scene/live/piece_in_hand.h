@@ -2,7 +2,7 @@
 // both counted from where it was grabbed, and a joint parts the tissue around it first.
 #pragma once
 
-#include <optional>
+#include <memory>
 
 #include "lib/session/session.h"
 #include "tools/scene/file/live_event.h"
@@ -11,8 +11,8 @@ namespace supple::tools {
 
 class PieceInHand {
  public:
-  /// The piece that the grab's handle takes whole; none where it takes no piece by `rigid_at`.
-  static std::optional<PieceInHand> of(const Step& grab, const Session& session);
+  /// The piece that the grab's handle takes whole; null where it takes no piece by `rigid_at`.
+  static std::shared_ptr<const PieceInHand> of(const Step& grab, const Session& session);
 
   /// Angle of the turn since it was grabbed, in degrees.
   double turned_deg(const Session& session) const;
