@@ -49,7 +49,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"dcmtk/", {"volumes/io/dicom/plugin"}},
     {"openjpeg", {"volumes/io/dicom/plugin"}},
     {"hdf5", {"volumes/io/hdf5/plugin"}},
-    {"Eigen/", {"lib/fem", "lib/springs"}},
+    {"Eigen/", {"lib/fem", "lib/springs", "volumes/field/landmarks"}},
     {"Spectra/", {"lib/fem/dynamics"}},
     {"boost/asio", {"tools/viewer"}},
     {"boost/beast", {"tools/viewer"}},
