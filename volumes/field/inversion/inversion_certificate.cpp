@@ -20,15 +20,15 @@ bool sample_beyond(const VectorBricks& u, const Vec3i& dims, const Vec3d& pos, V
   if (inside == pos) return false;
   Vec3i cell(int(std::floor(inside.x)), int(std::floor(inside.y)), int(std::floor(inside.z)));
   for (int a = 0; a < 3; ++a) cell[a] = std::max(std::min(cell[a], dims[a] - 2), 0);
-  Vec3f lowest(0), corner;
-  if (!u.at(cell, lowest)) return false;
-  vector = Vec3d(lowest);
-  for (int n = 1; n < kCellCorners; ++n) {
+  vector = Vec3d(0);
+  for (int n = 0; n < kCellCorners; ++n) {
     const Vec3i step = cell_corner(n);
-    if (!u.at(cell + step, corner)) return false;
     double weight = 1;
     for (int a = 0; a < 3; ++a) weight *= step[a] ? pos[a] - cell[a] : 1 - (pos[a] - cell[a]);
-    vector += Vec3d(corner - lowest) * weight;
+    if (weight == 0) continue;  // beyond a place on a lattice plane nothing need be
+    Vec3f corner;
+    if (!u.at(cell + step, corner)) return false;
+    vector += Vec3d(corner) * weight;
   }
   return true;
 }

@@ -91,6 +91,18 @@ TEST(UnitBorder, AShiftAcrossItLeavesTheSideThatItCameFromHalfAVoxelLonger) {
   }
 }
 
+/// Beside a body that ends within the grid, where places on its last plane need no voxel beyond it.
+TEST(UnitBorder, TheCertificateKnowsSourcesOnTheLastPlaneOfABodyAtTheBorder) {
+  Displacement displacement = displacement_on(box_topology(Vec3i(0), {9, 5, 13}),
+                                              [&](const Vec3i&) { return Vec3f(0, 0, 0.25f); });
+  displacement.geometry = displacement.geometry.with_dims(kDims);
+  const OffsetField field = invert(displacement);
+  Vec3f offset;
+  ASSERT_TRUE(field.o.at({4, 5, 0}, offset));
+  EXPECT_EQ(offset, Vec3f(0, 0, -0.25f));
+  EXPECT_LT(field.certificate.residual_max, 1e-6);
+}
+
 /// Samples that solve for themselves agree with nodes, edges and corners of the box among them.
 TEST(PropertyBorder, SamplesWithoutAnInverseAgree) {
   std::mt19937 random(5);
