@@ -38,6 +38,7 @@ Command add_metrics(CLI::App& program);
 Command add_modes(CLI::App& program);
 Command add_resample(CLI::App& program);
 Command add_apply(CLI::App& program);
+Command add_augment(CLI::App& program);
 Command add_presets(CLI::App& program);
 Command add_probe(CLI::App& program);
 Command add_render(CLI::App& program);
