@@ -95,28 +95,6 @@ BrickValues read_mask(const std::string& path, const Measured& measured, Console
   return values;
 }
 
-Value summary_json(const DeformationSummary& summary) {
-  Value bending;  // null where no element has all its neighbours
-  if (summary.bending_per_mm2) bending = *summary.bending_per_mm2;
-  return {{"elements", summary.elements},
-          {"moved", summary.moved},
-          {"mean_mm", summary.mean_mm},
-          {"rms_mm", summary.rms_mm},
-          {"median_mm", summary.median_mm},
-          {"p95_mm", summary.p95_mm},
-          {"max_mm", summary.max_mm},
-          {"min_jacobian", summary.min_jacobian},
-          {"max_jacobian", summary.max_jacobian},
-          {"sd_log_jacobian", summary.sd_log_jacobian},
-          {"nonpositive_jacobians", summary.nonpositive_jacobians},
-          {"folded_cells", summary.folded_cells},
-          {"folded_voxels", summary.folded_cells},  // the former name, for one release
-          {"bending_per_mm2", bending},
-          {"rest_volume_mm3", summary.rest_volume_mm3},
-          {"volume_mm3", summary.volume_mm3},
-          {"volume_change_percent", 100 * summary.volume_change()}};
-}
-
 /// Values of the elements on the source grid, `elsewhere` around them.
 ScalarSliceSource slices_of(const DeformationMaps& maps, const Vec3i& dims, float elsewhere,
                             const std::function<float(std::size_t b, int offset)>& value) {
@@ -203,11 +181,11 @@ int run_metrics(const MetricsOptions& options, const GlobalOptions& global, Cons
 
   Value json;
   if (!measured.direction.empty()) json["direction"] = measured.direction;
-  json.update(summary_json(whole));
+  json.update(to_value(whole));
   if (!labels.empty()) {
     json["labels"] = Value::Entries();
     for (const auto& [label, summary] : summarize_labels(maps, labels, geometry, within)) {
-      json["labels"][std::to_string(label)] = summary_json(summary);
+      json["labels"][std::to_string(label)] = to_value(summary);
     }
   }
   console.stage_seconds();

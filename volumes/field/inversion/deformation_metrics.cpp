@@ -165,4 +165,26 @@ std::map<std::int32_t, DeformationSummary> summarize_labels(const DeformationMap
   return summaries;
 }
 
+Value to_value(const DeformationSummary& summary) {
+  Value bending;  // null where no element has all its neighbours
+  if (summary.bending_per_mm2) bending = *summary.bending_per_mm2;
+  return {{"elements", summary.elements},
+          {"moved", summary.moved},
+          {"mean_mm", summary.mean_mm},
+          {"rms_mm", summary.rms_mm},
+          {"median_mm", summary.median_mm},
+          {"p95_mm", summary.p95_mm},
+          {"max_mm", summary.max_mm},
+          {"min_jacobian", summary.min_jacobian},
+          {"max_jacobian", summary.max_jacobian},
+          {"sd_log_jacobian", summary.sd_log_jacobian},
+          {"nonpositive_jacobians", summary.nonpositive_jacobians},
+          {"folded_cells", summary.folded_cells},
+          {"folded_voxels", summary.folded_cells},  // the former name, for one release
+          {"bending_per_mm2", bending},
+          {"rest_volume_mm3", summary.rest_volume_mm3},
+          {"volume_mm3", summary.volume_mm3},
+          {"volume_change_percent", 100 * summary.volume_change()}};
+}
+
 }  // namespace supple

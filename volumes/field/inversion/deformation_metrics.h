@@ -19,6 +19,7 @@
 #include <map>
 #include <optional>
 
+#include "volumes/base/value.h"
 #include "volumes/field/offset_field.h"
 #include "volumes/geometry/geometry.h"
 #include "volumes/grid/brick_values.h"
@@ -47,6 +48,9 @@ struct DeformationSummary {
   /// Relative change of volume: 0.02 is 2 % more.
   double volume_change() const { return volume_mm3 / rest_volume_mm3 - 1; }
 };
+
+/// All of it with units in its names, as `supple metrics --json` prints it.
+Value to_value(const DeformationSummary& summary);
 
 /// Values at the elements, [512 * b + offset] in the order of `elements`.
 struct DeformationMaps {
