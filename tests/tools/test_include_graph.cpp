@@ -54,6 +54,7 @@ const std::map<std::string, std::set<std::string>> kThirdPartyHomes = {
     {"boost/asio", {"tools/viewer"}},
     {"boost/beast", {"tools/viewer"}},
     {"turbojpeg", {"tools/scene/pictures"}},
+    {"pybind11/", {"tools/python"}},
 };
 
 struct Include {

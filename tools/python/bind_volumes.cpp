@@ -1,0 +1,167 @@
+// Grids, volumes and pictures in files.
+#include "raycast/pictures/image.h"
+#include "tools/python/attended.h"
+#include "tools/python/bindings.h"
+#include "tools/python/python_arrays.h"
+#include "tools/python/python_values.h"
+#include "volumes/base/table.h"
+#include "volumes/io/filter/filters.h"
+#include "volumes/io/filter/on_grid.h"
+#include "volumes/io/format/dense_writer.h"
+
+namespace py = pybind11;
+
+namespace supple::python {
+
+namespace {
+
+ReadOptions read_options(const Value& keys) {
+  ReadOptions options;
+  Table table(keys);
+  table.read(fields(options));
+  table.finish();
+  return options;
+}
+
+WriteOptions write_options(const Value& keys) {
+  WriteOptions options;
+  Table table(keys);
+  Fields all = fields(options);
+  for (const Field& field : vector_fields(options)) all.push_back(field);
+  table.read(all);
+  table.finish();
+  return options;
+}
+
+/// What a file says of itself beside its values.
+Value facts_of(const VolumeHeader& header) {
+  Value facts = {{"format", header.format},
+                 {"type", numpy_name(header.type)},
+                 {"modality", header.modality},
+                 {"labels", Value::Entries()}};
+  for (const auto& [number, name] : header.label_names) facts["labels"][name] = number;
+  return facts;
+}
+
+py::tuple read_volume(const std::string& path, const Value& keys, const py::object& callback) {
+  const auto file = attended(callback, [&](Progress& progress) {
+    return open_volume(path, read_options(keys), &progress);
+  });
+  const Geometry& grid = file->header().geometry;
+  return py::make_tuple(values_of(*file, callback), grid, facts_of(file->header()));
+}
+
+py::tuple open_header(const std::string& path, const Value& keys) {
+  const auto file = attended(py::none(), [&](Progress& progress) {
+    return open_volume(path, read_options(keys), &progress);
+  });
+  return py::make_tuple(file->header().geometry, facts_of(file->header()));
+}
+
+ValueType type_of(const py::array& array) {
+  ValueType type;
+  const std::string name = py::str(array.dtype().attr("name"));
+  if (find_numpy_type(name, type)) return type;
+  throw InputError({"", "array", "values of type " + name, "whole numbers, float32 or float64"});
+}
+
+/// Writes [k, j, i], or [k, j, i, 3] in mm LPS with their direction.
+void write_array(const std::string& path, const py::array& given, const Geometry& grid,
+                 const std::string& direction, const std::string& certificate, const Value& options,
+                 const py::object& callback) {
+  const py::array array = py::array::ensure(given, py::array::c_style);
+  const bool is_warp = !direction.empty();
+  DenseImage image;
+  image.geometry = grid;
+  image.type = type_of(array);
+  image.components = is_warp ? 3 : 1;
+  image.direction = direction;
+  image.certificate = certificate;
+  const Vec3i& dims = grid.dims();
+  const bool fits = array.ndim() == (is_warp ? 4 : 3) && array.shape(0) == dims.z &&
+                    array.shape(1) == dims.y && array.shape(2) == dims.x &&
+                    (!is_warp || array.shape(3) == 3);
+  if (!fits) throw InputError({path, "array", "one that does not fit its grid", "[k, j, i]"});
+  const char* data = static_cast<const char*>(array.data());
+  const std::size_t bytes = std::size_t(dims.x) * std::size_t(dims.y) *
+                            std::size_t(image.components) * std::size_t(bytes_of(image.type));
+  attend(callback, [&](Progress& progress) {
+    progress.stage("writing");
+    const auto writer = create_dense(path, image, write_options(options));
+    for (int k = 0; k < dims.z; ++k) {
+      writer->write_slice(data + std::size_t(k) * bytes);
+      report(&progress, double(k + 1) / dims.z);
+    }
+    writer->complete(&progress);
+    writer->commit();
+    warn_of_all(path, writer->warnings(), &progress);
+  });
+}
+
+ResampleKernel kernel_of(const std::string& name) {
+  if (name == "linear") return ResampleKernel::linear;
+  if (name == "nearest") return ResampleKernel::nearest;
+  if (name == "cubic") return ResampleKernel::cubic;
+  throw InputError(
+      {"", "interpolation", "\"" + name + "\"", "\"linear\", \"nearest\" or \"cubic\""});
+}
+
+py::tuple resample_to_spacing(const std::string& path, const Value& keys, const py::tuple& spacing,
+                              const std::string& interpolation, const py::object& callback) {
+  const Vec3d mm(spacing[0].cast<double>(), spacing[1].cast<double>(), spacing[2].cast<double>());
+  const auto file =
+      with_spacing(open_volume(path, read_options(keys)), mm, kernel_of(interpolation));
+  const Geometry& grid = file->header().geometry;
+  return py::make_tuple(values_of(*file, callback), grid);
+}
+
+py::tuple resample_to_grid(const std::string& path, const Value& keys, const Geometry& grid,
+                           const std::string& interpolation, const py::object& callback) {
+  const auto file = attended(callback, [&](Progress& progress) {
+    return on_grid(open_volume(path, read_options(keys)), grid, kernel_of(interpolation),
+                   &progress);
+  });
+  return py::make_tuple(values_of(*file, callback), grid);
+}
+
+/// The pixels of a file, rows from the top, which the array keeps without a copy.
+py::array pixels_of(const std::string& path) {
+  auto image = std::make_unique<Image>(read_png(path));
+  const std::vector<py::ssize_t> shape = {image->height, image->width, 4};
+  std::uint8_t* const pixels = image->rgba.data();
+  const py::capsule owner(image.release(), [](void* held) { delete static_cast<Image*>(held); });
+  return py::array_t<std::uint8_t>(shape, pixels, owner);
+}
+
+}  // namespace
+
+void bind_volumes(py::module_& module) {
+  py::class_<Geometry>(module, "Grid",
+                       "Regular grid of voxels: shape (k, j, i) and a 4 x 4 affine that takes\n"
+                       "(i, j, k, 1) to LPS millimetres (x left, y posterior, z superior).")
+      .def(py::init(&make_grid), py::arg("shape"), py::arg("affine"))
+      .def_property_readonly("shape", &shape_of, "Voxels along k, j and i, as arrays have them.")
+      .def_property_readonly("affine", &affine_of, "4 x 4: (i, j, k, 1) to LPS mm.")
+      .def_property_readonly(
+          "spacing",
+          [](const Geometry& grid) {
+            const Vec3d mm = grid.spacing_mm();
+            return py::make_tuple(mm.x, mm.y, mm.z);
+          },
+          "Millimetres between voxels along i, j and k.")
+      .def("__eq__", [](const Geometry& a, const Geometry& b) { return a == b; })
+      .def("__hash__", [](const Geometry& grid) { return py::hash(shape_of(grid)); })
+      .def("__repr__", [](const Geometry& grid) {
+        const Vec3d mm = grid.spacing_mm();
+        return "Grid(shape=" + std::string(py::str(shape_of(grid))) + ", spacing=(" +
+               number_text(mm.x) + ", " + number_text(mm.y) + ", " + number_text(mm.z) + ") mm)";
+      });
+  module.def("read_volume", &read_volume);
+  module.def("open_header", &open_header);
+  module.def("write_array", &write_array);
+  module.def("resample_to_spacing", &resample_to_spacing);
+  module.def("resample_to_grid", &resample_to_grid);
+  module.def("pixels_of", &pixels_of);
+}
+
+}  // namespace supple::python
