@@ -180,7 +180,6 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
     step.limits = m_limits;
     step.keys["limits"] = m_limits == Limits::ball ? "ball" : "tighten";
   }
-  check_places(step, m_session->geometry());
   const Vec3d before = m_hand.reached;
   run(event.kind, step, progress);
   const StepRecord& record = m_session->records().back();
@@ -239,6 +238,7 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
 }
 
 void LiveSession::run(EventKind kind, const Step& step, Progress* progress) {
+  check_places(step, m_session->geometry());
   m_session->step(step, progress);
   m_history.undone.clear();
   m_history.undone_looks.clear();

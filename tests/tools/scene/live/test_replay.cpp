@@ -77,6 +77,14 @@ TEST_F(UnitReplay, AJournalTheSceneMadeFromItAndAnyNumberOfThreadsLeadToTheSameS
   EXPECT_EQ(replay(other, "--check " + (m_folder / "out/live.vdb")).exit_code, 1);
 }
 
+TEST_F(UnitReplay, AStepOutsideOfTheVolumeIsRefusedBeforeAnythingReadsTheVolume) {
+  const Outcome run = replay(journal(event("step", "grab = [12, 12, 300]\nby = [1, 0, 0]")));
+  EXPECT_EQ(run.exit_code, 3);
+  EXPECT_NE(run.err.find("grab: found 12,12,300, expected a voxel of the volume"),
+            std::string::npos)
+      << run.err;
+}
+
 TEST_F(UnitReplay, PiecesShiftWhileTheyAreDraggedAndTurnAfterTheRelease) {
   const std::string dragged = hash(journal(kBoneDragged));
   const std::string file = journal(kBoneDragged + event("release") + event("relax", "passes = 7"));
