@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pybind11/numpy.h>
+#include <pybind11/stl.h>
 
 #include "volumes/field/dense/resample.h"
 #include "volumes/field/dense/warp.h"

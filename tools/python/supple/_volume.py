@@ -1,11 +1,9 @@
 """Volumes: arrays [k, j, i] with their grid, from files, numpy and nibabel, and back."""
 from __future__ import annotations
 
-import mmap
+import builtins
 import os
-import shutil
 import tempfile
-import weakref
 from typing import Any, Callable, Dict, Optional, Tuple, Union
 
 import numpy as np
@@ -144,7 +142,7 @@ def _known_type(array: np.ndarray) -> np.ndarray:
 
 
 class _MemoryFile:
-    """An array as a file of NRRD in memory, which vanishes with the object."""
+    """An array as a file of NRRD in memory, or on disk where that is short; gone with the object."""
 
     def __init__(self, array: np.ndarray, grid: Grid, name: str):
         kind = array.dtype.name
@@ -160,22 +158,21 @@ class _MemoryFile:
                   f"sizes: {' '.join(str(n) for n in reversed(array.shape))}\n"
                   f"space directions: {axes}\nkinds: domain domain domain\nendian: little\n"
                   f"encoding: raw\nspace origin: ({origin})\n\n").encode()
-        self._file = os.memfd_create(name)
-        os.ftruncate(self._file, len(header) + array.nbytes)
-        with mmap.mmap(self._file, 0) as memory:
-            memory[:len(header)] = header
-            into = np.ndarray(array.shape, array.dtype, memory, len(header))
-            into[...] = array
-            del into
-        folder = tempfile.mkdtemp(prefix="supple-")
-        self.path = os.path.join(folder, os.path.splitext(name)[0] + ".nrrd")
-        os.symlink(f"/proc/{os.getpid()}/fd/{self._file}", self.path)
-        weakref.finalize(self, _remove, self._file, folder)
+        self._folder = tempfile.TemporaryDirectory(prefix="supple-", dir=_memory(array.nbytes))
+        self.path = os.path.join(self._folder.name, os.path.splitext(name)[0] + ".nrrd")
+        with builtins.open(self.path, "wb") as file:
+            file.write(header)
+            for plane in array:
+                file.write(np.ascontiguousarray(plane))
 
 
-def _remove(file: int, folder: str) -> None:
-    os.close(file)
-    shutil.rmtree(folder, ignore_errors=True)
+def _memory(size: int) -> Optional[str]:
+    """Folder of files in memory where there is room for another one; None: that of other files."""
+    try:
+        memory = os.statvfs("/dev/shm")
+    except OSError:
+        return None
+    return "/dev/shm" if memory.f_bavail * memory.f_frsize > 2 * size else None
 
 
 def as_volume(thing: Any) -> Volume:
