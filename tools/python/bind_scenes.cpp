@@ -22,7 +22,7 @@ namespace {
 /// A path, or the keys themselves.
 tools::Scene scene_of(const Value& source) {
   if (source.is_text()) return tools::read_scene(source.text());
-  return tools::read_scene(Table(source));
+  return tools::read_scene(Table(source, "scene"));  // has a file: folders are made
 }
 
 /// Hands everything on and takes the time of stages.
