@@ -15,7 +15,8 @@ SUPPLE_PACKAGES=(
   libopencv-dev libtiff-dev libpugixml-dev libpng-dev libturbojpeg0-dev libopenexr-dev ffmpeg libnifti2-dev zlib1g-dev
   libbz2-dev libeigen3-dev libspectra-dev
   libhdf5-dev libdcmtk-dev libopenjp2-7-dev libssl-dev
-  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev)
+  libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev
+  python3-dev pybind11-dev python3-numpy)
 SUPPLE_JUDGES=(
   pkg-config lintian zsh fish elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-tifffile
   python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk libgdcm-tools

@@ -41,6 +41,7 @@ class Picture:
         self.png, self.array, self.report = png, read_only(array), report
 
     def save(self, path: Union[str, os.PathLike]) -> None:
+        """Writes the PNG."""
         with open(path, "wb") as file:
             file.write(self.png)
 

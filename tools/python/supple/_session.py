@@ -129,6 +129,7 @@ class Session:
 
     @property
     def grid(self) -> Grid:
+        """The grid of the volume."""
         return self._held.grid
 
     @property
@@ -138,6 +139,7 @@ class Session:
 
     @property
     def elements(self) -> int:
+        """Voxels of the body."""
         return self._held.facts(None)["elements"]
 
     @property

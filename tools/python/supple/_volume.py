@@ -85,6 +85,7 @@ class Volume:
 
     @property
     def grid(self) -> Grid:
+        """The grid of the values."""
         return self._grid
 
     @property
