@@ -17,6 +17,7 @@
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/grid/b_spline.h"
+#include "volumes/io/load/followed_labels.h"
 
 namespace py = pybind11;
 
@@ -100,7 +101,9 @@ class HeldSession {
     const float fill = state.density.background();
     const auto slices = is_cubic ? dense_resampled(now.pose.offsets, between, grid, fill)
                                  : dense_resampled(now.pose.offsets, state.density, grid, fill);
-    return densities_of(slices, grid, state.source_type, callback);
+    ValueType type = ValueType::float32;
+    find_numpy_type(state.source_type, type);
+    return scalars_of(grid, type, slices, callback);
   }
 
   py::tuple move_points(const PointArray& points, bool back, const py::object& callback) {
@@ -119,11 +122,13 @@ class HeldSession {
     const StoredLabels labels = attended(callback, [&](Progress& progress) {
       return StoredLabels(*open_volume(path, {}, &progress), &progress);
     });
-    if (!back) return send_labels(now.pose.offsets, labels, grid, callback);
+    std::atomic<std::int64_t> unresolved{0};
     const CutElements body{now.state.elements, now.state.cuts};
     const auto motion =
         attended(callback, [&](Progress&) { return motion_along(now.pose.displacement, body); });
-    return send_labels(*motion, labels, grid, callback);
+    const auto slices = back ? followed_labels(labels, *motion, grid, unresolved)
+                             : followed_labels(labels, now.pose.offsets, grid);
+    return array_of(grid, labels.type(), 1, "labels", callback, slices);
   }
 
   py::tuple measure(bool has_maps, const py::object& callback) {
@@ -136,7 +141,8 @@ class HeldSession {
       DeformationMaps maps = map_deformation(displacement_of(state), state.elements, state.cuts);
       return Measured{std::move(state), std::move(maps)};
     });
-    return measures_of(measured.maps, measured.state.geometry, measured.state.labels, has_maps);
+    return measures_of(measured.maps, measured.state.geometry, measured.state.labels, has_maps,
+                       callback);
   }
 
   /// A view as a scene has it, into its `image`.

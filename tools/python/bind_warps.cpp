@@ -5,6 +5,7 @@
 #include "tools/python/python_values.h"
 #include "tools/python/sent_through.h"
 #include "volumes/field/dense/invert_warp.h"
+#include "volumes/io/load/followed_labels.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/transform/transform_volume.h"
 #include "volumes/io/warp_file.h"
@@ -92,7 +93,7 @@ py::tuple measure_warp(const VectorArray& vectors, const Geometry& grid,
     const Displacement u = displacement_of_warp(warp_of(vectors, grid, direction));
     return map_deformation(u, u.u.topology, {});
   });
-  return measures_of(maps, grid, {}, has_maps);
+  return measures_of(maps, grid, {}, has_maps, callback);
 }
 
 py::tuple move_points(const VectorArray& vectors, const Geometry& grid,
@@ -118,8 +119,11 @@ py::array warp_volume(const VectorArray& vectors, const Geometry& grid, const st
     return Source{std::move(volume), std::move(offsets)};
   });
   const DensityGrid& density = source.volume.density;
-  return densities_of(dense_resampled(source.offsets, density, target, density.background()),
-                      target, source.volume.value_type, callback);
+  ValueType type = ValueType::float32;
+  find_numpy_type(source.volume.value_type, type);
+  return scalars_of(target, type,
+                    dense_resampled(source.offsets, density, target, density.background()),
+                    callback);
 }
 
 py::array warp_labels(const VectorArray& vectors, const Geometry& grid,
@@ -131,7 +135,9 @@ py::array warp_labels(const VectorArray& vectors, const Geometry& grid,
     return StoredLabels(*open_volume(path, {}, &progress), &progress);
   });
   const auto motion = attended(callback, [&](Progress&) { return motion_through(warp, !back); });
-  return send_labels(*motion, labels, target, callback);
+  std::atomic<std::int64_t> unresolved{0};
+  return array_of(target, labels.type(), 1, "labels", callback,
+                  followed_labels(labels, *motion, target, unresolved));
 }
 
 }  // namespace

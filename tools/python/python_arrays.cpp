@@ -43,50 +43,54 @@ py::array_t<double> affine_of(const Geometry& grid) {
   return affine;
 }
 
-py::array empty_array(const Geometry& grid, const py::dtype& type, int components) {
+py::array array_of(const Geometry& grid, ValueType type, int components, const char* stage,
+                   const py::object& callback, const SliceBytes& slice) {
   std::vector<py::ssize_t> shape = {grid.dims().z, grid.dims().y, grid.dims().x};
   if (components != 1) shape.push_back(components);
-  return py::array(type, shape);
+  py::array array(py::dtype(numpy_name(type)), shape);
+  auto* const out = static_cast<char*>(array.mutable_data());
+  const std::size_t bytes =
+      slice_voxels(grid) * std::size_t(components) * std::size_t(bytes_of(type));
+  attend(callback, [&](Progress& progress) {
+    progress.stage(stage);
+    for (int k = 0; k < grid.dims().z; ++k) {
+      slice(k, out + std::size_t(k) * bytes);
+      report(&progress, double(k + 1) / grid.dims().z);
+    }
+  });
+  return array;
 }
 
 py::array values_of(VolumeFile& file, const py::object& callback) {
   const VolumeHeader& header = file.header();
   const bool is_scaled = header.slope != 1 || header.intercept != 0;
   const ValueType type = is_scaled ? ValueType::float32 : header.type;
-  py::array array = empty_array(header.geometry, py::dtype(numpy_name(type)), header.components);
-  char* out = static_cast<char*>(array.mutable_data());
   const std::size_t count = slice_voxels(header.geometry) * std::size_t(header.components);
-  const int slices = header.geometry.dims().z;
-  attend(callback, [&](Progress& progress) {
-    progress.stage("reading");
-    std::vector<char> stored(is_scaled ? count * std::size_t(bytes_of(header.type)) : 0);
-    std::vector<double> values(is_scaled ? count : 0);
-    for (int k = 0; k < slices; ++k, out += count * std::size_t(bytes_of(type))) {
-      file.read_slice(is_scaled ? stored.data() : out);
-      if (is_scaled) {
-        scale_values_of(header.type)(stored.data(), count, header.slope, header.intercept,
-                                     values.data());
-        store_values(type, values.data(), count, out);
-      }
-      report(&progress, double(k + 1) / slices);
-    }
-  });
-  return array;
+  std::vector<char> stored(is_scaled ? count * std::size_t(bytes_of(header.type)) : 0);
+  std::vector<double> values(is_scaled ? count : 0);
+  const auto slice = [&](int, char* out) {
+    file.read_slice(is_scaled ? stored.data() : out);
+    if (!is_scaled) return;
+    scale_values_of(header.type)(stored.data(), count, header.slope, header.intercept,
+                                 values.data());
+    store_values(type, values.data(), count, out);
+  };
+  return array_of(header.geometry, type, header.components, "reading", callback, slice);
 }
 
 py::array vectors_of(const Geometry& grid, const VectorSliceSource& slices,
                      const py::object& callback) {
-  py::array array = empty_array(grid, py::dtype::of<float>(), 3);
-  auto* out = static_cast<Vec3f*>(array.mutable_data());
-  const int count = grid.dims().z;
-  attend(callback, [&](Progress& progress) {
-    progress.stage("writing vectors");
-    for (int k = 0; k < count; ++k) {
-      slices(k, out + std::size_t(k) * slice_voxels(grid));
-      report(&progress, double(k + 1) / count);
-    }
+  return array_of(grid, ValueType::float32, 3, "vectors", callback,
+                  [&](int k, char* out) { slices(k, reinterpret_cast<Vec3f*>(out)); });
+}
+
+py::array scalars_of(const Geometry& grid, ValueType type, const ScalarSliceSource& slices,
+                     const py::object& callback) {
+  std::vector<float> values(slice_voxels(grid));
+  return array_of(grid, type, 1, "values", callback, [&](int k, char* out) {
+    slices(k, values.data());
+    store_values(type, values.data(), values.size(), out);
   });
-  return array;
 }
 
 WarpDirection direction_of(const std::string& name) {

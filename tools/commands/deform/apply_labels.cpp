@@ -5,18 +5,15 @@
 
 #include "tools/commands/deform/moved_places.h"
 #include "volumes/base/json.h"
-#include "volumes/base/parallel.h"
-#include "volumes/field/dense/grid_positions.h"
 #include "volumes/io/format/dense_writer.h"
+#include "volumes/io/load/followed_labels.h"
 
 namespace supple::tools {
 
 namespace {
 
-/// `find(i, j, k, place)`: LPS mm of the place whose label a voxel takes; false for none.
-template <class Find>
 LabelReport write(const std::string& path, const StoredLabels& labels, const Geometry& grid,
-                  const Find& find, Console& console) {
+                  const LabelSliceSource& slices, Console& console) {
   DenseImage image;
   image.geometry = grid;
   image.type = labels.type();
@@ -24,19 +21,11 @@ LabelReport write(const std::string& path, const StoredLabels& labels, const Geo
   const auto writer = create_dense(path, image);
   LabelReport result{grid, labels.counts(), {}};
   const Vec3i& dims = grid.dims();
-  const std::size_t bytes = std::size_t(labels.bytes_per_voxel());
   const std::size_t voxels = std::size_t(dims.x) * dims.y;
+  std::vector<char> slice(voxels * std::size_t(labels.bytes_per_voxel()));
   console.stage("writing");
   for (int k = 0; k < dims.z; ++k) {
-    std::vector<char> slice(voxels * bytes, 0);
-    parallel_for(dims.y, [&](int j) {
-      for (int i = 0; i < dims.x; ++i) {
-        Vec3d place;
-        if (find(i, j, k, place)) {
-          labels.nearest(place, &slice[(std::size_t(j) * dims.x + i) * bytes]);
-        }
-      }
-    });
+    slices(k, slice.data());
     count_labels(labels.type(), slice.data(), voxels, result.after);
     writer->write_slice(slice.data());
     report(&console, double(k + 1) / dims.z);
@@ -55,26 +44,14 @@ Value number(double label) {
 
 LabelReport write_labels(const std::string& path, const StoredLabels& labels,
                          const OffsetField& offsets, const Geometry& grid, Console& console) {
-  const GridPositions positions(grid, offsets.geometry);
-  const auto find = [&](int i, int j, int k, Vec3d& place) {
-    Vec3d source;
-    if (!offsets.source_of(positions.at(i, j, k), source)) return false;
-    place = offsets.geometry.world_from_index(source);
-    return true;
-  };
-  return write(path, labels, grid, find, console);
+  return write(path, labels, grid, followed_labels(labels, offsets, grid), console);
 }
 
 LabelReport write_labels(const std::string& path, const StoredLabels& labels,
                          const PointMotion& motion, const Geometry& grid, Console& console) {
   std::atomic<std::int64_t> unresolved{0};
-  const auto find = [&](int i, int j, int k, Vec3d& place) {
-    const MovedPoint moved = motion.move(grid.world_from_index(Vec3d(i, j, k)));
-    place = moved.to_lps_mm;
-    if (moved.kind == PlaceKind::unresolved) ++unresolved;
-    return moved.kind != PlaceKind::unresolved && moved.kind != PlaceKind::outside;
-  };
-  LabelReport result = write(path, labels, grid, find, console);
+  LabelReport result =
+      write(path, labels, grid, followed_labels(labels, motion, grid, unresolved), console);
   result.unresolved = unresolved;
   return result;
 }

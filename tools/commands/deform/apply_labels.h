@@ -1,7 +1,5 @@
-// Label volumes that follow a deformation: each output voxel takes the label nearest to the place
-// that its content came from, so that no label appears that was not there before.
-// Cost: that of StoredLabels and one slice; 0.1 µs per voxel and core through offsets, 2 µs where
-// each is solved for.
+// Label volumes that follow a deformation (volumes/io/load/followed_labels.h), into files, with
+// their counts before and after. Memory: that of StoredLabels and one slice.
 #pragma once
 
 #include <string>

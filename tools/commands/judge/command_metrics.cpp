@@ -95,41 +95,17 @@ BrickValues read_mask(const std::string& path, const Measured& measured, Console
   return values;
 }
 
-/// Values of the elements on the source grid, `elsewhere` around them.
-ScalarSliceSource slices_of(const DeformationMaps& maps, const Vec3i& dims, float elsewhere,
-                            const std::function<float(std::size_t b, int offset)>& value) {
-  return [&maps, dims, elsewhere, value](int k, float* out) {
-    std::fill(out, out + std::size_t(dims.x) * dims.y, elsewhere);
-    for (std::size_t b = 0; b < maps.elements.brick_count(); ++b) {
-      const Vec3i& origin = maps.elements.origin(b);
-      if (k < origin.z || k >= origin.z + kBrickDim) continue;
-      for_each_active(maps.elements.mask(b), [&](int offset) {
-        const Vec3i voxel = origin + brick_local(offset);
-        if (voxel.z == k) out[std::size_t(voxel.y) * dims.x + voxel.x] = value(b, offset);
-      });
-    }
-  };
-}
-
 void write_maps(const MetricsOptions& options, const Geometry& geometry,
                 const DeformationMaps& maps, Console& console) {
-  const Vec3i& dims = geometry.dims();
-  const auto write = [&](const std::string& path, ValueType type, float elsewhere,
-                         const std::function<float(std::size_t, int)>& value) {
+  const auto write = [&](const std::string& path, ValueType type, DeformationMap which) {
     if (path.empty()) return;
-    const auto slices = slices_of(maps, dims, elsewhere, value);
+    const auto slices = slices_of(maps, which, geometry.dims());
     warn_of_all(path, write_volume(path, geometry, type, slices, &console), &console);
   };
-  write(options.displacement_map, ValueType::float32, 0,
-        [&](std::size_t b, int offset) { return maps.length_mm[b * kBrickVoxels + offset]; });
-  write(options.jacobian_map, ValueType::float32, 1,
-        [&](std::size_t b, int offset) { return maps.jacobian[b * kBrickVoxels + offset]; });
-  write(options.fold_map, ValueType::uint8, 0,
-        [&](std::size_t b, int offset) { return mask_test(maps.folded[b], offset) ? 1.0f : 0.0f; });
-  write(options.bending_map, ValueType::float32, 0, [&](std::size_t b, int offset) {
-    const float bending = maps.bending_per_mm2[b * kBrickVoxels + offset];
-    return std::isnan(bending) ? 0 : bending;
-  });
+  write(options.displacement_map, ValueType::float32, DeformationMap::length_mm);
+  write(options.jacobian_map, ValueType::float32, DeformationMap::jacobian);
+  write(options.fold_map, ValueType::uint8, DeformationMap::folded);
+  write(options.bending_map, ValueType::float32, DeformationMap::bending_per_mm2);
 }
 
 void print_metrics(const Value& json) {

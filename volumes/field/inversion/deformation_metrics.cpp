@@ -187,4 +187,35 @@ Value to_value(const DeformationSummary& summary) {
           {"volume_change_percent", 100 * summary.volume_change()}};
 }
 
+std::function<void(int k, float* out)> slices_of(const DeformationMaps& maps, DeformationMap which,
+                                                 const Vec3i& dims) {
+  const auto value = [&maps, which](std::size_t b, int offset) {
+    const std::size_t n = b * kBrickVoxels + std::size_t(offset);
+    switch (which) {
+      case DeformationMap::length_mm:
+        return maps.length_mm[n];
+      case DeformationMap::jacobian:
+        return maps.jacobian[n];
+      case DeformationMap::folded:
+        return mask_test(maps.folded[b], offset) ? 1.0f : 0.0f;
+      default:
+        return std::isnan(maps.bending_per_mm2[n]) ? 0 : maps.bending_per_mm2[n];
+    }
+  };
+  return [&maps, which, dims, value](int k, float* out) {
+    const float elsewhere = which == DeformationMap::jacobian ? 1 : 0;
+    std::fill(out, out + std::size_t(dims.x) * std::size_t(dims.y), elsewhere);
+    for (std::size_t b = 0; b < maps.elements.brick_count(); ++b) {
+      const Vec3i& origin = maps.elements.origin(b);
+      if (k < origin.z || k >= origin.z + kBrickDim) continue;
+      for_each_active(maps.elements.mask(b), [&](int offset) {
+        const Vec3i voxel = origin + brick_local(offset);
+        if (voxel.z == k) {
+          out[std::size_t(voxel.y) * std::size_t(dims.x) + std::size_t(voxel.x)] = value(b, offset);
+        }
+      });
+    }
+  };
+}
+
 }  // namespace supple

@@ -16,6 +16,7 @@
 // Cost: 150 ns per element and core, 12 bytes per element's brick voxel for the maps.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -49,7 +50,7 @@ struct DeformationSummary {
   double volume_change() const { return volume_mm3 / rest_volume_mm3 - 1; }
 };
 
-/// All of it with units in its names, as `supple metrics --json` prints it.
+/// A table of all of it, with units in the names.
 Value to_value(const DeformationSummary& summary);
 
 /// Values at the elements, [512 * b + offset] in the order of `elements`.
@@ -60,6 +61,12 @@ struct DeformationMaps {
   std::vector<float> bending_per_mm2;  // NaN where neighbours are missing
   std::vector<BrickMask> folded;
 };
+
+enum class DeformationMap { length_mm, jacobian, folded, bending_per_mm2 };
+/// Writes the map on the grid of voxels 0 to `dims`, slice by slice: 1 around the elements for det
+/// F, 0 for all others and where there is no bending. Refers to the maps.
+std::function<void(int k, float* out)> slices_of(const DeformationMaps& maps, DeformationMap which,
+                                                 const Vec3i& dims);
 
 /// `u` is valid at all elements. Throws InputError when a value is not finite.
 DeformationMaps map_deformation(const Displacement& u, const BrickTopology& elements,
