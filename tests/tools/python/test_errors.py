@@ -1,4 +1,4 @@
-"""Bad input gives typed errors with the line of the program; Ctrl-C and callbacks end long calls."""
+"""Bad input gives typed errors with the line of the program; Ctrl-C and callbacks end calls."""
 import os
 import signal
 import threading
@@ -77,7 +77,8 @@ class Refused(InFolder):
         self.assertEqual(error.field, "grabb")
         self.refused(lambda: session.step(), "a step that does nothing")
         self.refused(lambda: session.drag([12, 10, 300], [1, 0, 0]), "a voxel of the volume")
-        self.refused(lambda: supple.Session(self.head).drag([0, 0, 0], [1, 0, 0]), "a voxel of the body")
+        self.refused(lambda: supple.Session(self.head).drag([0, 0, 0], [1, 0, 0]),
+                     "a voxel of the body")
         self.refused(lambda: session.drag([12, 10], [1, 0, 0]), "three numbers")
         self.refused(lambda: session.relax(passes=-1), "passes")
         self.refused(lambda: session.fem({"accuracy": "wild"}), "accuracy")

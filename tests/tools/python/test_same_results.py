@@ -107,6 +107,8 @@ class SameCommands(InFolder):
         self.assertEqual((self.pull.direction, self.push.direction), ("resample", "material"))
         self.assert_same(read_nrrd(self.path("pull.nrrd")), self.pull.array)
         self.assert_same(self.session.offsets().array, self.pull.array)
+        self.assertEqual(self.session.offsets().direction, self.pull.direction)
+        self.assertEqual(self.session.displacement().direction, self.push.direction)
         self.assertTrue(np.allclose(self.pull.affine, AFFINE, atol=1e-12))
 
     def test_export_with_other_voids_and_grids(self):
@@ -141,6 +143,8 @@ class SameCommands(InFolder):
         for void in ("extend", "outside", "nearest"):
             self.assert_same(self.by_program("invert", self.path("pull.nrrd"), "--void", void),
                              supple.invert(self.pull, void=void).array)
+        self.assert_same(self.by_program("invert", self.path("pull.nrrd")),
+                         supple.invert(self.pull).array)
         path = self.path("inverse.nrrd")
         told = run_json("invert", self.path("push.nrrd"), "-o", path, "--direction", "resample",
                         "--force")

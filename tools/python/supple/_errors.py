@@ -2,9 +2,10 @@
 import builtins
 import logging
 import os
+import sys
 import warnings
 
-_PACKAGE = os.path.dirname(os.path.abspath(__file__))
+_PACKAGE = os.path.dirname(__file__)
 _LOG = logging.getLogger("supple")
 
 
@@ -48,8 +49,7 @@ def tell(kind: str, line: str) -> None:
 
 
 def _frames_to_caller() -> int:
-    import sys
     level, frame = 1, sys._getframe(1)
-    while frame is not None and os.path.dirname(os.path.abspath(frame.f_code.co_filename)) == _PACKAGE:
+    while frame is not None and os.path.dirname(frame.f_code.co_filename) == _PACKAGE:
         level, frame = level + 1, frame.f_back
     return level

@@ -7,6 +7,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Union
 import numpy as np
 
 from . import _supple
+from ._errors import InputError
 from ._supple import Grid
 from ._volume import Progress, Volume, as_grid, as_volume
 from ._warp import Points, Warp, apply, metrics
@@ -71,14 +72,15 @@ class Session:
         self._held = _supple.HeldSession(root, progress)
 
     def event(self, kind: str, *, progress: Progress = None, **keys: Any) -> Optional[Report]:
-        """One event of a live session (docs/live.md): grab, push, drag, release, cut, anchor, relax,
-        limits, step, undo, redo, model, material. Returns the report of the step that it became."""
+        """One event of a live session (docs/live.md): grab, push, drag, release, cut, anchor,
+        relax, limits, step, undo, redo, model, material. Returns the report of the step that it
+        became."""
         done = self._held.carry_out({"kind": kind, **keys}, progress)
         return None if done is None else Report(done)
 
     def step(self, *, progress: Progress = None, **keys: Any) -> Report:
-        """One step with the keys of a scene's [[step]], and its report. Nothing has changed where it
-        raises."""
+        """One step with the keys of a scene's [[step]], and its report. Nothing has changed where
+        it raises."""
         return self.event("step", progress=progress, **keys)
 
     def drag(self, grab: Any = None, by: Any = None, *, progress: Progress = None,
@@ -92,7 +94,7 @@ class Session:
         return self.step(progress=progress, **keys)
 
     def fix(self, *places: Any, progress: Progress = None, **keys: Any) -> Report:
-        """Voxels [i, j, k] or boxes [i0, j0, k0, i1, j1, k1] that stay; or fix_label, anchors, ..."""
+        """Voxels [i, j, k] or boxes [i0, j0, k0, i1, j1, k1] that stay; or fix_label, anchors."""
         if places:
             keys["fix"] = [_box(place) for place in places]
         return self.step(progress=progress, **keys)
@@ -164,7 +166,7 @@ class Session:
         return Report(self._held.certificate(None))
 
     def displacement(self, *, progress: Progress = None) -> Warp:
-        """Material direction on the volume's grid: voxel X is now at X + u(X), 0 where nothing is."""
+        """Material direction on the volume's grid: voxel X is now at X + u(X); 0 in the void."""
         return Warp(self._held.displacement(progress), self.grid, direction="material")
 
     def offsets(self, *, void: str = "nearest", grid: Any = None,
@@ -180,9 +182,8 @@ class Session:
         """The deformed volume on its own grid or another, in the type of the source; void reads its
         background. interpolation: "linear" or "cubic"."""
         if interpolation not in ("linear", "cubic"):
-            from ._errors import InputError
-            raise InputError(f'interpolation: found {interpolation!r}, expected "linear" or "cubic"',
-                             field="interpolation")
+            raise InputError(f"interpolation: found {interpolation!r}, expected 'linear' or "
+                             "'cubic'", field="interpolation")
         on = self.grid if grid is None else as_grid(grid)
         return Volume(self._held.resample(on, interpolation == "cubic", progress), on,
                       name="deformed")

@@ -143,7 +143,7 @@ def _known_type(array: np.ndarray) -> np.ndarray:
 
 
 class _MemoryFile:
-    """An array as a file of NRRD in memory, or on disk where that is short; gone with the object."""
+    """An array as a file of NRRD in memory, or on disk where that is short, while it lives."""
 
     def __init__(self, array: np.ndarray, grid: Grid, name: str):
         kind = array.dtype.name

@@ -21,7 +21,8 @@ class Warp:
     that gave it, or None.
     """
 
-    def __init__(self, array: Any, grid: Grid, *, direction: str, certificate: Optional[dict] = None):
+    def __init__(self, array: Any, grid: Grid, *, direction: str,
+                 certificate: Optional[dict] = None):
         array = np.asarray(array, dtype=np.float32)
         if array.shape != tuple(grid.shape) + (3,):
             raise InputError(f"warp: found shape {array.shape}, expected {tuple(grid.shape) + (3,)}"
@@ -159,7 +160,7 @@ def resample(volume: Any, *, warp: Any = None, grid: Any = None, spacing: Any = 
     if warp is not None:
         field = as_warp(warp)
         if spacing is not None or interpolation != "linear":
-            raise UsageError("resample: found spacing or interpolation beside a warp, expected grid")
+            raise UsageError("resample: found spacing or interpolation with a warp, expected grid")
         if field.direction != "resample":
             raise InputError("warp: found direction material, expected resample", field="direction")
         on = as_grid(grid) if grid is not None else source.grid
