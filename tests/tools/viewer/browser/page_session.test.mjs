@@ -28,7 +28,7 @@ function frameBytes({event = 7, frame = 9, view = 1, format = 1, settled = 1, pl
 test('a frame is read as the protocol says', () => {
   const frame = parseFrame(frameBytes({}));
   assert.deepEqual({...frame, picture: [...frame.picture]}, {
-    event: 7, frame: 9, view: 'axial', type: 'image/png', settled: true, width: 640, height: 480, serverMs: 12.5,
+    event: 7, frame: 9, view: 'axial', type: 'image/png', settled: true, width: 640, height: 480, isAtRest: false, serverMs: 12.5,
     plane: [1, 2, 3, 4, 5, 6, 7, 8, 9], picture: [42]});
   const space = parseFrame(frameBytes({view: 0, format: 0, settled: 0}));
   assert.deepEqual([space.view, space.type, space.settled, space.plane, space.picture[0]], ['3d', 'image/jpeg', false, null, 42]);
