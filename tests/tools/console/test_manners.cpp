@@ -52,7 +52,7 @@ const std::string kStep = "[[step]]\ngrab = [8, 8, 8]\nby = [2.0, 0.0, 0.0]\n";
 
 TEST_F(UnitManners, MisspelledCommandsAndOptionsGetTheNearestName) {
   expect(run_supple({"defrom", "a"}), 2, {"'defrom'", "did you mean 'deform'?"});
-  expect(run_supple({"xyzzyx"}), 2, {"'xyzzyx'", "info, probe, convert, compose, crop"});
+  expect(run_supple({"xyzzyx"}), 2, {"'xyzzyx'", "info, probe, convert, compose, fit, crop"});
   expect(deform({"--grap", "8,8,8", "--by", "1,0,0"}), 2, {"--grap", "did you mean '--grab'?"});
   expect(deform({"--treads=2", "--grab", "8,8,8"}), 2, {"--treads", "did you mean '--threads'?"});
   expect(run_supple({"info", "--zzzzzzzz", "a"}), 2, {"--zzzzzzzz", "supple info --help"});

@@ -23,9 +23,9 @@ std::vector<std::string> motion_names() {
 }
 
 /// Hears when to stop. Warnings are of ways that are drawn again, and what stays is in the truth.
-class Attempt final : public Progress {
+class UntoldProgress final : public Progress {
  public:
-  explicit Attempt(Progress* listener) : m_listener(listener) {}
+  explicit UntoldProgress(Progress* listener) : m_listener(listener) {}
 
   void stage(std::string_view name) override { supple::stage(m_listener, name); }
   void update(double fraction) override {
@@ -93,9 +93,10 @@ double Augmentation::go(const Value& keys, Progress& progress) {
 
 Value Augmentation::draw(int number, Progress* progress) {
   take_back();
-  RandomNumbers random(std::uint64_t(m_params.seed), std::uint64_t(number));
+  RandomNumbers of_seed{std::uint64_t(m_params.seed)};
+  RandomNumbers random(of_seed.next_bits() + std::uint64_t(number));
   const DrawnMotion motion = m_motion.draw(m_body, m_params.limits, random);
-  Attempt attempt(progress);
+  UntoldProgress attempt(progress);
   Value keys;
   double gone = 0;
   constexpr double kLeastPart = 1.0 / 64;

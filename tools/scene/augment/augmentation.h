@@ -15,7 +15,7 @@ namespace supple::tools {
 
 struct AugmentParams {
   std::string motion = "drag";  // of random_motions()
-  MotionLimits limits;
+  DrawnLimits limits;
   double least_det = 0;  // det F is above it everywhere in the tissue
   int passes = 10;       // of relaxation after each motion; 0: none
   int seed = 0;

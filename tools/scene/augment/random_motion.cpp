@@ -11,6 +11,25 @@ namespace supple::tools {
 
 namespace {
 
+double between(RandomNumbers& random, double lo, double hi) {
+  return lo + (hi - lo) * random.next();
+}
+
+/// A whole number from 0 to below `count`, which is above 0.
+std::size_t below(RandomNumbers& random, std::size_t count) {
+  return std::size_t(between(random, 0, double(count)));
+}
+
+/// A direction of length 1, without functions that differ between machines.
+Vec3d direction(RandomNumbers& random) {
+  for (;;) {
+    const double x = between(random, -1, 1), y = between(random, -1, 1), z = between(random, -1, 1);
+    const Vec3d way(x, y, z);
+    const double length = way.length();
+    if (length > 0.1 && length <= 1) return way / length;
+  }
+}
+
 struct DrawnHandle {
   Vec3i centre;
   double radius_mm;
@@ -43,7 +62,7 @@ double distance_to_bone(const Body& body, const Vec3i& centre, double most_mm) {
 }
 
 /// Balls of soft tissue that are dragged apart from each other, each by its own way.
-DrawnMotion draw_drag(const DrawnBody& body, const MotionLimits& limits, RandomNumbers& random) {
+DrawnMotion draw_drag(const DrawnBody& body, const DrawnLimits& limits, RandomNumbers& random) {
   if (body.free.empty()) {
     throw InputError({"", "body", "no element that is free to move", "soft tissue"});
   }
@@ -51,20 +70,20 @@ DrawnMotion draw_drag(const DrawnBody& body, const MotionLimits& limits, RandomN
   const BrickTopology& elements = body.session.body().elements;
   const Vec3d spacing = geometry.spacing_mm();
   const double least_mm = std::min({spacing.x, spacing.y, spacing.z});
-  const std::size_t wanted = 1 + random.below(std::size_t(limits.handles));
+  const std::size_t wanted = 1 + below(random, std::size_t(limits.handles));
   std::vector<DrawnHandle> handles;
   constexpr int kMostTries = 50;
   for (int tries = 0; tries < kMostTries && handles.size() < wanted; ++tries) {
-    const Slot slot = body.free[random.below(body.free.size())];
-    const double drawn_mm = random.between(least_mm, std::max(limits.radius_mm, least_mm));
+    const Slot slot = body.free[below(random, body.free.size())];
+    const double drawn_mm = between(random, least_mm, std::max(limits.radius_mm, least_mm));
     const Vec3i centre = voxel_of(elements, slot);
     // Short of the bone, which tissue may take along, but no handle; and no further than the ball
     // is wide, since a thin thread of tissue cannot follow.
     const double radius_mm =
         std::max(distance_to_bone(body.session.body(), centre, drawn_mm) - least_mm / 2, 0.0);
     const double way_mm =
-        random.between(0, 1) * std::min(limits.reach_mm, std::max(2 * radius_mm, least_mm));
-    const DrawnHandle handle{centre, radius_mm, random.direction() * way_mm};
+        between(random, 0, 1) * std::min(limits.reach_mm, std::max(2 * radius_mm, least_mm));
+    const DrawnHandle handle{centre, radius_mm, direction(random) * way_mm};
     const bool fits = std::all_of(handles.begin(), handles.end(), [&](const DrawnHandle& other) {
       return is_apart(handle, other, geometry);
     });
@@ -113,7 +132,7 @@ Vec3i joint_of(const std::vector<Vec3i>& piece, const std::vector<std::vector<Ve
 }
 
 /// A rigid piece that turns about its joint while the largest one is held.
-DrawnMotion draw_joint(const DrawnBody& body, const MotionLimits& limits, RandomNumbers& random) {
+DrawnMotion draw_joint(const DrawnBody& body, const DrawnLimits& limits, RandomNumbers& random) {
   const Body& solid = body.session.body();
   const std::vector<RigidPiece>& pieces = solid.rigid.list;
   if (pieces.empty()) {
@@ -125,7 +144,7 @@ DrawnMotion draw_joint(const DrawnBody& body, const MotionLimits& limits, Random
   };
   const auto largest =
       std::size_t(std::max_element(pieces.begin(), pieces.end(), is_smaller) - pieces.begin());
-  std::size_t turned = random.below(std::max<std::size_t>(pieces.size() - 1, 1));
+  std::size_t turned = below(random, std::max<std::size_t>(pieces.size() - 1, 1));
   if (pieces.size() > 1 && turned >= largest) ++turned;
 
   std::vector<std::vector<Vec3i>> others;
@@ -134,8 +153,8 @@ DrawnMotion draw_joint(const DrawnBody& body, const MotionLimits& limits, Random
   }
   const std::vector<Vec3i> own = some_voxels(pieces[turned], solid.elements);
   const Vec3i joint = joint_of(own, others, body.session.geometry());
-  const Vec3d axis = random.direction();
-  const double angle_deg = random.between(-limits.turn_deg, limits.turn_deg);
+  const Vec3d axis = direction(random);
+  const double angle_deg = between(random, -limits.turn_deg, limits.turn_deg);
   std::optional<Vec3i> held;
   if (pieces.size() > 1) held = voxel_of(solid.elements, pieces[largest].elements->first());
   return [=, grabbed = own.front()](double part) {
@@ -149,7 +168,7 @@ DrawnMotion draw_joint(const DrawnBody& body, const MotionLimits& limits, Random
 
 }  // namespace
 
-Fields fields(MotionLimits& limits) {
+Fields fields(DrawnLimits& limits) {
   return {
       Field("handles", limits.handles, "Handles of a drag, 1 to so many").range(1, 20),
       Field("reach", limits.reach_mm, "Way of a handle, 0 to so much").unit("mm").range(0, 1000),

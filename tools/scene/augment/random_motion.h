@@ -7,17 +7,17 @@
 #include <vector>
 
 #include "lib/session/session.h"
-#include "tools/scene/augment/random_numbers.h"
 #include "volumes/base/fields.h"
+#include "volumes/base/random.h"
 
 namespace supple::tools {
 
 /// How far motions go at most.
-struct MotionLimits {
+struct DrawnLimits {
   int handles = 3;
   double reach_mm = 10, radius_mm = 10, turn_deg = 10;
 };
-Fields fields(MotionLimits& limits);
+Fields fields(DrawnLimits& limits);
 
 /// A body to draw motions for, with what is found once for all of them.
 struct DrawnBody {
@@ -32,7 +32,7 @@ using DrawnMotion = std::function<Value(double part)>;
 
 struct RandomMotion {
   std::string name, help;
-  std::function<DrawnMotion(const DrawnBody&, const MotionLimits&, RandomNumbers&)> draw;
+  std::function<DrawnMotion(const DrawnBody&, const DrawnLimits&, RandomNumbers&)> draw;
 };
 
 /// All of them, that of handles in soft tissue first. Their draws throw InputError for bodies in

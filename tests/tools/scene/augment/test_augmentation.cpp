@@ -85,25 +85,17 @@ std::string text(const Value& sample, const char* key) {
 
 }  // namespace
 
-TEST(UnitRandomNumbers, AreTheSameOnAnyMachine) {
-  RandomNumbers random(7, 3);
-  const double first = random.between(0, 1), second = random.between(-2, 2);
-  RandomNumbers again(7, 3), other(7, 4), seed(8, 3);
-  EXPECT_EQ(again.between(0, 1), first);
-  EXPECT_EQ(again.between(-2, 2), second);
-  EXPECT_NE(other.between(0, 1), first);
-  EXPECT_NE(seed.between(0, 1), first);
-  EXPECT_NEAR(first, 0.87403660426517849, 1e-15);
-  Vec3d sum(0);
-  std::set<std::size_t> seen;
-  for (int n = 0; n < 3000; ++n) {
-    const Vec3d way = random.direction();
-    ASSERT_NEAR(way.length(), 1, 1e-12);
-    sum += way;
-    seen.insert(random.below(5));
-  }
-  EXPECT_LT(sum.length() / 3000, 0.05);
-  EXPECT_EQ(seen, (std::set<std::size_t>{0, 1, 2, 3, 4}));
+TEST_F(UnitAugmentation, DrawsAreTheSameOnAnyMachine) {
+  const auto body = session("soft.toml");
+  const DrawnBody drawn(*body);
+  RandomNumbers random(7);
+  const Value keys = random_motions().front().draw(drawn, params("drag", 7).limits, random)(0.5);
+  const Value& first = keys["handles"].items().front();
+  const auto number = [&](const char* key, std::size_t n) {
+    return first[key].items()[n].number();
+  };
+  EXPECT_EQ(number("grab_ball", 0), 5);
+  EXPECT_NEAR(number("by", 0), -0.24822357619253782, 1e-14);
 }
 
 TEST_F(PropertyAugmentation, SamplesAreTheSameWhateverWasDrawnBefore) {
