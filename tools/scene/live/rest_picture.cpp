@@ -12,7 +12,7 @@ namespace supple::tools {
 
 namespace {
 
-constexpr double kSmallest = 1.0 / 4;  // of width and height
+constexpr double kSmallestAtRest = 1.0 / 4;  // of width and height
 
 RenderSettings settings_of(const LivePicture& picture) {
   RenderSettings settings = view_settings(picture.view());
@@ -42,7 +42,7 @@ RestPicture::RestPicture(const LivePicture& picture)
 Image RestPicture::draft(double budget_ms) {
   RenderSettings drafts = settings_of(m_picture);
   const double whole_ms = m_pixel.of(double(drafts.width) * drafts.height);
-  const double part = std::clamp(std::sqrt(budget_ms / whole_ms), kSmallest, 1.0);
+  const double part = std::clamp(std::sqrt(budget_ms / whole_ms), kSmallestAtRest, 1.0);
   drafts.set_quality(Quality::draft);
   drafts.width = std::max(1, int(std::lround(part * drafts.width)));
   drafts.height = std::max(1, int(std::lround(part * drafts.height)));
