@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "volumes/base/parallel.h"
 #include "volumes/grid/cell.h"
@@ -20,7 +21,7 @@ bool sample_beyond(const VectorBricks& u, const Vec3i& dims, const Vec3d& pos, V
   if (inside == pos) return false;
   Vec3i cell(int(std::floor(inside.x)), int(std::floor(inside.y)), int(std::floor(inside.z)));
   for (int a = 0; a < 3; ++a) cell[a] = std::max(std::min(cell[a], dims[a] - 2), 0);
-  vector = Vec3d(0);
+  std::optional<Vec3f> first;  // differences to it are exactly 0 where nothing differs
   for (int n = 0; n < kCellCorners; ++n) {
     const Vec3i step = cell_corner(n);
     double weight = 1;
@@ -28,7 +29,12 @@ bool sample_beyond(const VectorBricks& u, const Vec3i& dims, const Vec3d& pos, V
     if (weight == 0) continue;  // beyond a place on a lattice plane nothing need be
     Vec3f corner;
     if (!u.at(cell + step, corner)) return false;
-    vector += Vec3d(corner) * weight;
+    if (first) {
+      vector += Vec3d(corner - *first) * weight;
+    } else {
+      first = corner;
+      vector = Vec3d(corner);
+    }
   }
   return true;
 }
