@@ -74,16 +74,18 @@ Landmarks read_landmarks(const FitOptions& options) {
   return landmarks;
 }
 
-RigidRegions read_regions(const FitOptions& options, const Landmarks& landmarks, Console& console) {
-  if (options.rigid.empty()) return {};
+std::shared_ptr<const RigidRegions> read_regions(const FitOptions& options,
+                                                 const Landmarks& landmarks, Console& console) {
+  if (options.rigid.empty()) return nullptr;
   const StoredLabels labels(*open_volume(options.labels, {}, &console), &console);
   const RegionLabels regions{labels.geometry(), [&](const Vec3i& voxel) {
                                const Vec3d place = labels.geometry().world_from_index(Vec3d(voxel));
                                return std::int32_t(labels.label_at(place));
                              }};
   try {
-    return RigidRegions(regions, {options.rigid.begin(), options.rigid.end()}, landmarks.points,
-                        landmarks.vectors, options.width_mm);
+    return std::make_shared<RigidRegions>(
+        regions, std::vector<std::int32_t>(options.rigid.begin(), options.rigid.end()),
+        landmarks.points, landmarks.vectors, options.width_mm);
   } catch (const InputError& error) {
     rethrow_at(options.labels, error);
   }
@@ -91,7 +93,7 @@ RigidRegions read_regions(const FitOptions& options, const Landmarks& landmarks,
 
 UnfoldedMap fit(const FitOptions& options, const Geometry& grid, Console& console) {
   const Landmarks landmarks = read_landmarks(options);
-  const RigidRegions regions = read_regions(options, landmarks, console);
+  const auto regions = read_regions(options, landmarks, console);
   try {
     if (!options.has_no_folds) {
       return {LandmarkMap(landmarks, regions, options.stiffness_mm), options.stiffness_mm};

@@ -8,14 +8,15 @@
 
 namespace supple {
 
-LandmarkMap::LandmarkMap(const Landmarks& landmarks, RigidRegions regions, double stiffness_mm)
+LandmarkMap::LandmarkMap(const Landmarks& landmarks, std::shared_ptr<const RigidRegions> regions,
+                         double stiffness_mm)
     : m_regions(std::move(regions)) {
-  if (m_regions.empty()) {
+  if (!m_regions) {
     m_spline = fit_spline(landmarks.points, landmarks.vectors, stiffness_mm);
   } else {
     std::vector<Vec3d> points, vectors;
-    for (const std::size_t n : m_regions.outside()) {
-      const RigidRegions::Motion motion = m_regions.at(landmarks.points[n]);
+    for (const std::size_t n : m_regions->outside()) {
+      const RigidRegions::Motion motion = m_regions->at(landmarks.points[n]);
       points.push_back(landmarks.points[n]);
       vectors.push_back((landmarks.vectors[n] - motion.vector) / motion.give);
     }
@@ -37,7 +38,7 @@ void LandmarkMap::finish(const RigidRegions::Motion& motion, Vec3d& vector) cons
 
 Vec3d LandmarkMap::at(const Vec3d& x) const {
   Vec3d vector = m_has_spline ? m_spline.at(x) : Vec3d(0);
-  if (!m_regions.empty()) finish(m_regions.at(x), vector);
+  if (m_regions) finish(m_regions->at(x), vector);
   return vector;
 }
 
@@ -52,7 +53,7 @@ VectorSliceSource LandmarkMap::slices(const Geometry& grid) const {
       if (m_has_spline) m_spline.row(first, step, dims.x, row.data());
       for (int i = 0; i < dims.x; ++i) {
         Vec3d& vector = row[std::size_t(i)];
-        if (!m_regions.empty()) finish(m_regions.at(first + step * double(i)), vector);
+        if (m_regions) finish(m_regions->at(first + step * double(i)), vector);
         out[std::size_t(j) * std::size_t(dims.x) + std::size_t(i)] = Vec3f(vector);
       }
     });

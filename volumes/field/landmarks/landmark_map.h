@@ -3,6 +3,7 @@
 // other landmarks, which fades towards the rigid labels (rigid_regions.h).
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "volumes/field/dense/resample.h"
@@ -23,8 +24,9 @@ struct LandmarkMisfit {
 
 class LandmarkMap {
  public:
-  /// Throws InputError as fit_spline.
-  LandmarkMap(const Landmarks& landmarks, RigidRegions regions, double stiffness_mm);
+  /// `regions`: of these landmarks; null: none. Throws InputError as fit_spline.
+  LandmarkMap(const Landmarks& landmarks, std::shared_ptr<const RigidRegions> regions,
+              double stiffness_mm);
 
   Vec3d at(const Vec3d& x) const;
   LandmarkMisfit misfit() const { return m_misfit; }
@@ -36,7 +38,7 @@ class LandmarkMap {
  private:
   void finish(const RigidRegions::Motion& motion, Vec3d& vector) const;
 
-  RigidRegions m_regions;
+  std::shared_ptr<const RigidRegions> m_regions;
   bool m_has_spline = true;
   SplineSum m_spline;
   LandmarkMisfit m_misfit;

@@ -95,8 +95,9 @@ SplineSum fit_spline(const std::vector<Vec3d>& points, const std::vector<Vec3d>&
                                            .solve(right.bottomRows(count - rank));
     weights.applyOnTheLeft(q);
   }
-  Eigen::CompleteOrthogonalDecomposition<MatrixXd> least(polynomials);
-  least.setThreshold(kAlike);
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> least(count, polynomials.cols());
+  least.setThreshold(kAlike);  // which it needs before it computes
+  least.compute(polynomials);
   const MatrixXd affine = least.solve(data - energy * weights);
 
   const auto row = [](const MatrixXd& of, Index n) { return Vec3d(of(n, 0), of(n, 1), of(n, 2)); };

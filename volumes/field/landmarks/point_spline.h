@@ -7,8 +7,8 @@
 // stiffness 0 meets all points. As `RBFInterpolator(kernel="linear", degree=1, smoothing=…)` of
 // scipy, and as the thin-plate splines of ITK and of 3D Slicer's landmark registration.
 //
-// Where points do not span space the affine part has no slope across their plane or line, so that
-// three points, or one, are enough for a field.
+// Points that do not span space leave the affine part without slope across their plane or line, so
+// that three points, or one, are enough for a field.
 // Cost: with n points n^3 / 3 products and 8 n^2 bytes: 0.2 s and 8 MB for 1,000 points.
 #pragma once
 

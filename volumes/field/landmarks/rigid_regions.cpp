@@ -146,7 +146,6 @@ double RigidRegions::distance_mm(const Region& region, const Vec3d& x) const {
 
 RigidRegions::Motion RigidRegions::at(const Vec3d& x) const {
   Motion motion;
-  if (m_regions.empty()) return motion;
   double weights = 0, nearest = std::numeric_limits<double>::infinity();
   for (const Region& region : m_regions) {
     const double distance = distance_mm(region, x);

@@ -23,8 +23,6 @@ struct RegionLabels {
 
 class RigidRegions {
  public:
-  /// No region.
-  RigidRegions() = default;
   /// `points` and `vectors`: landmarks, LPS mm, where they are and how far they move; those within
   /// a voxel of a region belong to it. `width_mm`: how far from a region half of anything else
   /// acts. Throws InputError for a label that no voxel has, and for one with fewer than three
@@ -33,7 +31,6 @@ class RigidRegions {
                const std::vector<Vec3d>& points, const std::vector<Vec3d>& vectors,
                double width_mm);
 
-  bool empty() const { return m_regions.empty(); }
   /// The motion of the regions at x, and `give`.
   struct Motion {
     Vec3d vector{0, 0, 0};

@@ -25,8 +25,8 @@ class SplineSum {
   SplineSum(std::vector<Centre> centres, const Affine& affine);
 
   Vec3d at(const Vec3d& x) const;
-  /// The vectors at `first`, `first` + `step`, … , `count` of them. Cost: 0.7 ns per vector and
-  /// centre on one core.
+  /// The vectors at `first`, `first` + `step`, … , `count` of them. Cost: 0.3 ns per vector and
+  /// centre on one core with AVX-512.
   void row(const Vec3d& first, const Vec3d& step, int count, Vec3d* out) const;
 
  private:

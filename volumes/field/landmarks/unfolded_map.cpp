@@ -36,8 +36,9 @@ double extent_of(const std::vector<Vec3d>& points) {
 
 }  // namespace
 
-UnfoldedMap without_folds(const Landmarks& landmarks, const RigidRegions& regions,
-                          double stiffness_mm, const Geometry& grid, const Progress* progress) {
+UnfoldedMap without_folds(const Landmarks& landmarks,
+                          const std::shared_ptr<const RigidRegions>& regions, double stiffness_mm,
+                          const Geometry& grid, const Progress* progress) {
   const auto map_with = [&](double stiffness) {
     return LandmarkMap(landmarks, regions, stiffness);
   };

@@ -14,7 +14,8 @@ struct UnfoldedMap {
 /// Tries stiffnesses from `stiffness_mm` up to 1000 times the extent of the landmarks, at which a
 /// spline is affine but for a thousandth. Throws InputError where even that one folds; Cancelled.
 /// Cost: LandmarkMap::slices and GridFolds some 12 times where anything folds, else once.
-UnfoldedMap without_folds(const Landmarks& landmarks, const RigidRegions& regions,
-                          double stiffness_mm, const Geometry& grid, const Progress* progress);
+UnfoldedMap without_folds(const Landmarks& landmarks,
+                          const std::shared_ptr<const RigidRegions>& regions, double stiffness_mm,
+                          const Geometry& grid, const Progress* progress);
 
 }  // namespace supple

@@ -59,6 +59,12 @@ Landmarks bones_and_others(const Turn& turn, const Vec3d& shift) {
   return landmarks;
 }
 
+std::shared_ptr<const RigidRegions> regions_of(const Landmarks& landmarks,
+                                               const std::vector<std::int32_t>& rigid) {
+  return std::make_shared<RigidRegions>(ball_and_slab(), rigid, landmarks.points, landmarks.vectors,
+                                        10);
+}
+
 }  // namespace
 
 TEST(UnitPointSpline, MeetsItsPointsAndKeepsAffineFields) {
@@ -100,6 +106,18 @@ TEST(UnitPointSpline, IsAStationaryPointOfItsEnergy) {
   EXPECT_GT(missed, 0.01);
   EXPECT_LT(sum.length(), 1e-10);
   for (const Vec3d& moment : moments) EXPECT_LT(moment.length(), 1e-8);
+
+  // With these weights taken out the field is affine.
+  const auto rest = [&](const Vec3d& x) {
+    Vec3d vector = spline.at(x);
+    for (std::size_t n = 0; n < some.points.size(); ++n) {
+      const Vec3d weight = (some.vectors[n] - spline.at(some.points[n])) / stiffness;
+      vector += weight * (x - some.points[n]).length();
+    }
+    return vector;
+  };
+  const Vec3d a(3, -8, 20), b(-31, 44, 5), c(12, 2, 60);
+  EXPECT_LT(length_of_difference(rest((a + b + c) / 3), (rest(a) + rest(b) + rest(c)) / 3), 1e-9);
 }
 
 TEST(ExtremesPointSpline, FewPointsAndThoseOfAPlaneAreEnough) {
@@ -116,6 +134,21 @@ TEST(ExtremesPointSpline, FewPointsAndThoseOfAPlaneAreEnough) {
     if (count > 1) continue;
     EXPECT_LT(length_of_difference(spline.at({90, 0, 9}), vectors[0]), 1e-12);
   }
+  // A plane but for rounding, of the points and of a file; and what is seen of it far across.
+  const Vec3d normal = Vec3d(1, 2, -3) / std::sqrt(14.0), middle(1, 1, 1);
+  for (const double rough_mm : {0.0, 1e-12, 1e-10}) {
+    Landmarks flat = random_landmarks(12, 3, 8);
+    for (std::size_t n = 0; n < 12; ++n) {
+      Vec3d& point = flat.points[n];
+      point += normal * (rough_mm * std::sin(double(n)) - normal.dot(point - middle));
+    }
+    const SplineSum spline = fit_spline(flat.points, flat.vectors);
+    EXPECT_LT(spline.at(middle + normal * 200).length(), 40) << rough_mm;
+    for (std::size_t n = 0; n < 12; ++n) {
+      EXPECT_LT(length_of_difference(spline.at(flat.points[n]), flat.vectors[n]), 1e-6) << rough_mm;
+    }
+  }
+
   const auto twice = [&](double stiffness) {
     return fit_spline({line[0], line[1], line[0]}, vectors, stiffness);
   };
@@ -141,10 +174,10 @@ TEST(UnitRigidRegions, LabelsMoveRigidlyAndTheRestMeetsItsPoints) {
   const Turn turn = turn_about({1, 2, -1}, 12);
   const Vec3d shift(3, -2, 1);
   const Landmarks landmarks = bones_and_others(turn, shift);
-  RigidRegions regions(ball_and_slab(), {1, 2}, landmarks.points, landmarks.vectors, 10);
-  EXPECT_LT(regions.largest_misfit_mm(), 1e-10);
-  EXPECT_EQ(regions.outside().size(), 12u);
-  const LandmarkMap map(landmarks, std::move(regions), 0);
+  const auto regions = regions_of(landmarks, {1, 2});
+  EXPECT_LT(regions->largest_misfit_mm(), 1e-10);
+  EXPECT_EQ(regions->outside().size(), 12u);
+  const LandmarkMap map(landmarks, regions, 0);
   EXPECT_LT(map.misfit().largest_mm, 1e-9);
 
   std::vector<Vec3f> slice(30 * 26);
@@ -172,6 +205,16 @@ TEST(UnitRigidRegions, LabelsMoveRigidlyAndTheRestMeetsItsPoints) {
   }
   EXPECT_LT(worst, 1e-5);
   EXPECT_LT(jump, 6) << "no step at the border of a label";
+}
+
+TEST(UnitRigidRegions, WhereAllLabelsMoveAlikeSoDoesEverythingElse) {
+  Landmarks landmarks = bones_and_others({}, {3, -2, 1});
+  landmarks.points.erase(landmarks.points.begin(), landmarks.points.begin() + 12);
+  landmarks.vectors.assign(landmarks.points.size(), Vec3d(3, -2, 1));
+  const LandmarkMap map(landmarks, regions_of(landmarks, {1, 2}), 0);
+  for (const Vec3d& index : {Vec3d(0, 0, 0), {16.3, 9.1, 8.8}, {29, 25, 21}, {60, -20, 11}}) {
+    EXPECT_LT(length_of_difference(map.at(kGrid.world_from_index(index)), {3, -2, 1}), 1e-12);
+  }
 }
 
 TEST(FaultRigidRegions, LabelsWithoutVoxelsOrLandmarksAreRefused) {
@@ -217,7 +260,7 @@ TEST(UnitGridFolds, CountsCellsThatTurnOver) {
 TEST(PropertyLandmarkMap, FoldsEndAtTheLeastStiffness) {
   const Landmarks wild = random_landmarks(20, 9, 11);
   const auto folded = [&](double stiffness) {
-    const LandmarkMap map(wild, {}, stiffness);
+    const LandmarkMap map(wild, nullptr, stiffness);
     GridFolds folds(kGrid);
     const VectorSliceSource slices = counted(map.slices(kGrid), folds);
     std::vector<Vec3f> slice(30 * 26);
@@ -225,11 +268,11 @@ TEST(PropertyLandmarkMap, FoldsEndAtTheLeastStiffness) {
     return folds.folded_cells();
   };
   ASSERT_GT(folded(0), 0);
-  const UnfoldedMap found = without_folds(wild, {}, 0, kGrid, nullptr);
+  const UnfoldedMap found = without_folds(wild, nullptr, 0, kGrid, nullptr);
   EXPECT_GT(found.stiffness_mm, 0);
   EXPECT_EQ(folded(found.stiffness_mm), 0);
   EXPECT_GT(folded(found.stiffness_mm / 1.1), 0);
-  const UnfoldedMap as_asked = without_folds(wild, {}, 2 * found.stiffness_mm, kGrid, nullptr);
+  const UnfoldedMap as_asked = without_folds(wild, nullptr, 2 * found.stiffness_mm, kGrid, nullptr);
   EXPECT_EQ(as_asked.stiffness_mm, 2 * found.stiffness_mm);
 }
 
@@ -237,15 +280,14 @@ TEST(FaultLandmarkMap, AMirrorFoldsAtAnyStiffness) {
   Landmarks mirror = random_landmarks(8, 0, 3);
   for (std::size_t n = 0; n < 8; ++n) mirror.vectors[n] = Vec3d(-2 * mirror.points[n].x, 0, 0);
   EXPECT_NE(input_error([&] {
-              without_folds(mirror, {}, 0, kGrid, nullptr);
+              without_folds(mirror, nullptr, 0, kGrid, nullptr);
             }).find("folded cells at any stiffness"),
             std::string::npos);
 }
 
 TEST(PropertyLandmarkMap, AnyNumberOfThreadsGivesTheSameBits) {
   const Landmarks landmarks = bones_and_others(turn_about({0, 0, 1}, 5), {1, 1, 0});
-  const LandmarkMap map(
-      landmarks, RigidRegions(ball_and_slab(), {1}, landmarks.points, landmarks.vectors, 10), 0.5);
+  const LandmarkMap map(landmarks, regions_of(landmarks, {1}), 0.5);
   const auto all = [&](int threads) {
     return on_threads(threads, [&] {
       std::vector<Vec3f> field(std::size_t(kGrid.voxel_count()));
