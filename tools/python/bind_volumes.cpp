@@ -33,7 +33,7 @@ WriteOptions write_options(const Value& keys) {
   return options;
 }
 
-/// What a file says of itself beside its values.
+/// Facts of a file beside its values.
 Value facts_of(const VolumeHeader& header) {
   Value facts = {{"format", header.format},
                  {"type", numpy_name(header.type)},

@@ -47,7 +47,8 @@ class Curtain {
   std::mutex m_guard;  // of the pointer alone
   std::unique_ptr<RestPicture> m_rest;
   LivePicture::Counts m_counts{-1, -1};  // of what was drawn last
-  /// As OpenScene has them: 0 up to date, 1 to be drawn exactly, 2 in haste and then exactly.
+  /// State of a picture, as in OpenScene: 0 up to date, 1 to be drawn exactly, 2 in haste and then
+  /// exactly.
   std::array<int, kViewCount> m_stale{};
 };
 

@@ -1,6 +1,7 @@
 #include "tools/scene/live/piece_in_hand.h"
 
 #include "lib/session/handles/handles.h"
+#include "volumes/base/error.h"
 
 namespace supple::tools {
 
@@ -35,7 +36,9 @@ std::shared_ptr<const PieceInHand> PieceInHand::of(const Step& grab, const Sessi
 
 const RigidPiece& PieceInHand::piece(const Session& session) const {
   const Body& body = session.body();
-  return body.rigid.list[std::size_t(number_at(body, m_voxel))];
+  const int number = number_at(body, m_voxel);
+  if (number < 0) throw InputError({"", "rigid_at", "a piece that is gone", "one of the body"});
+  return body.rigid.list[std::size_t(number)];
 }
 
 Turn PieceInHand::turn_since(const Session& session) const {

@@ -1,5 +1,6 @@
 // A rigid piece that a hand has grabbed by `rigid_at`: drags shift it and turn it about its middle,
-// both counted from where it was grabbed, and a joint parts the tissue around it first.
+// both counted from where it was grabbed, and a joint parts the tissue around it first. Functions
+// that ask where it is throw InputError once it is no piece of the body any more.
 #pragma once
 
 #include <memory>
