@@ -14,7 +14,7 @@ from ._warp import Points, Warp, apply, metrics
 
 
 class Report(dict):
-    """What a step, run or plan says of itself, as JSON of the program has it: a dict whose keys are
+    """Results of a step, run or plan, as JSON of the program has them: a dict whose keys are
     attributes, too."""
 
     def __init__(self, values: Any = ()):

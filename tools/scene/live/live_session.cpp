@@ -169,7 +169,8 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   step.no_relax = true;
   step.keys = {{"handles", Value::List{std::move(handle_keys)}}, {"no_relax", true}};
   const double joint_mm = m_hand.grab->joint_mm;
-  if (joint_mm > 0 && begins) m_hand.piece->add_joint(joint_mm, *m_session, handle, step);
+  if (joint_mm > 0 && begins && m_hand.piece)
+    m_hand.piece->add_joint(joint_mm, *m_session, handle, step);
   const bool is_by_model = m_model && !model().waits_for_hands;
   step.shift_pieces = !m_session->body().rigid.empty() && !is_by_model;
   if (step.shift_pieces) step.keys["shift_pieces"] = true;
