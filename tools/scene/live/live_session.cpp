@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "lib/session/step_model.h"
+#include "tools/scene/live/hand_lead.h"
 #include "tools/scene/live/live_view.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
@@ -101,7 +102,14 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
     change_view(event);
     return;
   }
-  stop();
+  m_pending = 0;
+  m_is_unsettled = false;
+  const bool is_of_stroke = event.kind == EventKind::drag || event.kind == EventKind::undo ||
+                            (event.kind == EventKind::release && event.cut == 0);
+  if (!is_of_stroke) {
+    end_stroke(progress);
+    m_lead.reset();
+  }
   switch (event.kind) {
     case EventKind::grab:
     case EventKind::push: {
@@ -109,8 +117,13 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       asked.drags.front().placed->by = Vec3d(0);
       check_places(asked, m_session->geometry());
       m_session->check(asked);
+      if (is_under_hand() && event.kind == EventKind::push) {
+        throw InputError({event.place, "push", "a handle that only pushes",
+                          "a grab: finite elements are under the hand"});
+      }
       m_hand = {event, Vec3d(0), {}};
       m_history.hand_stroke = ++m_history.stroke;
+      begin_lead();
       break;
     }
     case EventKind::drag:
@@ -150,6 +163,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
     throw InputError({event.place, "drag", "nothing that is grabbed", "grab or push before it"});
   }
   const Vec3d by = event.to - m_hand.reached;
+  if (is_under_hand()) return lead_by(event, by);
   if (by == Vec3d(0)) return;
   Step step;
   step.place = event.place;
@@ -191,12 +205,20 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     return m_hand.grab && !m_history.done.empty() &&
            m_history.done.back().stroke == m_history.hand_stroke;
   };
-  const bool was_dragged = is_last_a_drag();
+  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
+  if (event.restore && m_hand.grab && m_stroke) take_back();
+  if (lets_go) end_stroke(progress);
+  if (m_stroke) {
+    close_stroke();
+  } else {
+    m_lead.reset();
+  }
+  const bool was_dragged = is_last_a_drag() && !is_under_hand();
   while (event.restore && is_last_a_drag() && take_back()) {
   }
-  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
   const bool is_for_fem = was_dragged && model().waits_for_hands;
-  const bool is_unsettled = !event.restore && (is_for_fem || m_session->has_shifted_pieces());
+  const bool is_unsettled =
+      !event.restore && !is_under_hand() && (is_for_fem || m_session->has_shifted_pieces());
   if (event.all) {
     if (is_unsettled) settle_drags(progress);
     Step step;
@@ -268,13 +290,20 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
 }
 
 void LiveSession::go_on(Progress* progress) {
+  if (m_stroke && !m_hand.grab) return end_stroke(progress);
   if (m_is_unsettled) return settle_drags(progress);
   if (m_pending > 0) relax(*m_relaxation, m_pending, progress);
 }
 
+/// A stroke that has ended stands in the journal: it is taken back there, too.
 void LiveSession::stop() {
   m_pending = 0;
   m_is_unsettled = false;
+  if (!m_stroke || m_hand.grab) return;
+  take_back();
+  LiveEvent undo;
+  undo.kind = EventKind::undo;
+  m_journal->add(undo);
 }
 
 const SceneView& LiveSession::view() const {
