@@ -16,6 +16,11 @@ using namespace std::chrono_literals;
 /// Time in which one level gives way to the next.
 constexpr double kBlend_ms = 200;
 
+/// Rounds for pictures, without a call.
+std::int64_t nearest(double value) {
+  return std::int64_t(value + (value < 0 ? -0.5 : 0.5));
+}
+
 }  // namespace
 
 /// Cancels where the hand asks for it; says nothing.
@@ -97,7 +102,7 @@ void HandLead::put(const LivePose& pose, BodyShape& shape) const {
       if (piece >= 0) by_piece = offsets[std::size_t(piece)](voxel_of(m_elements, slot));
       for (std::size_t c = 0; c < 3; ++c) {
         const std::int64_t q =
-            piece >= 0 ? by_piece[c] : std::llround(index[int(c)] * double(kFixedOne));
+            piece >= 0 ? by_piece[c] : nearest(index[int(c)] * double(kFixedOne));
         out[c][offset] = std::int32_t(q);
       }
     });
@@ -115,7 +120,7 @@ void HandLead::blend(double part) {
       std::int32_t* const out = m_shape[c].touch(b);
       for (int n = 0; n < kBrickVoxels; ++n) {
         const double way = double(aim[n]) - double(from[n]);
-        out[n] = from[n] + std::int32_t(std::lround(part * way));
+        out[n] = from[n] + std::int32_t(nearest(part * way));
       }
     }
   });
