@@ -107,7 +107,8 @@ export class DeformPanel {
     if (this.models[model] && !this.models[model].isValid()) return;
     const shown = (name) => { const value = this.models[model]?.value(name); return value ? {[name]: value} : {}; };
     const own = model === 'ecm' ? {} : {[model]: {...shown('accuracy'), ...shown('beyond_limits'), ...this.models[model]?.values()}};
-    if (isUnderHand) own[model].accuracy = 'exact';
+    // ChainMail, which is seen first, keeps what finite elements left beyond its limits.
+    if (isUnderHand) own[model] = {beyond_limits: 'keep', ...this.models[model]?.values(), accuracy: 'exact'};
     this.session.event({kind: 'model', model, ...(isUnderHand ? {under_hand: true} : {}), ...own});
   }
   startRelaxing() {
