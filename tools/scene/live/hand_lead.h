@@ -4,7 +4,6 @@
 // the session waits for the step that the hand ends with.
 #pragma once
 
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -12,13 +11,10 @@
 #include <thread>
 #include <vector>
 
-#include "lib/session/live_responses.h"
+#include "lib/session/live_shape.h"
 #include "volumes/base/progress.h"
 
 namespace supple::tools {
-
-/// Offsets from rest of all elements, as Body::q.
-using BodyShape = std::array<BrickValues, 3>;
 
 /// What the page is told of the responses.
 struct LeadState {
@@ -61,14 +57,9 @@ class HandLead {
 
  private:
   class Listening;
-  void put(const LivePose& pose, BodyShape& shape) const;
-  void blend(double part);
-
   LiveResponses m_live;
-  Geometry m_geometry;
-  BrickTopology m_elements;
-  RigidPieces m_rigid;
-  std::vector<std::size_t> m_begin;  // per brick: of its elements among all
+  LiveShape m_elements;
+  std::size_t m_bricks = 0;
   DragPose m_target{Vec3d(0), {}};
   BodyShape m_shape, m_from, m_aim;  // shown, before the level, by the level
   bool m_is_led = false, m_has_shape = false;

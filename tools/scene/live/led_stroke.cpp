@@ -1,10 +1,9 @@
-// The part of a live session that has finite elements under the hand: a stroke is one step, whose
-// responses are found while the hand leads.
+#include "tools/scene/live/led_stroke.h"
+
 #include <utility>
 
 #include "lib/session/step_model.h"
 #include "tools/scene/live/hand_lead.h"
-#include "tools/scene/live/live_session.h"
 
 namespace supple::tools {
 
@@ -35,71 +34,87 @@ Step stroke_of(const LiveEvent& grab, const LiveEvent& model, const Vec3d& by) {
 
 }  // namespace
 
-void LiveSession::begin_lead() {
+LedStroke::LedStroke(Session& session, LiveHistory& history, LiveHand& hand)
+    : m_session(session), m_history(history), m_hand(hand) {}
+
+LedStroke::~LedStroke() = default;
+
+void LedStroke::drop_lead() {
   m_lead.reset();
-  if (!is_under_hand()) return;
-  const Step grab = on_grid(stroke_of(*m_hand.grab, *m_model, Vec3d(0)), m_session->geometry());
+}
+
+void LedStroke::begin(const LiveEvent& model) {
+  m_lead.reset();
+  const Step grab = on_grid(stroke_of(*m_hand.grab, model, Vec3d(0)), m_session.geometry());
   try {
-    m_lead = std::make_unique<HandLead>(m_session->held_body(), grab, grab.fem->directions);
+    m_lead = std::make_unique<HandLead>(m_session.held_body(), grab, grab.fem->directions);
   } catch (...) {
     m_hand.grab.reset();
     throw;
   }
 }
 
-/// The hand's target stands whatever ChainMail makes of it, which is seen until there is a level.
-void LiveSession::lead_by(const LiveEvent& event, const Vec3d& by) {
-  if (!m_lead) begin_lead();
-  Step step = stroke_of(*m_hand.grab, *m_model, by);
-  check_places(step, m_session->geometry());
-  m_hand.led = {event.to, event.to, false, m_session->body().elements.active_count()};
-  m_stroke.reset();
+void LedStroke::lead_by(const LiveEvent& drag, const Vec3d& by, const LiveEvent& model) {
+  if (!m_lead) begin(model);
+  Step step = stroke_of(*m_hand.grab, model, by);
+  check_places(step, m_session.geometry());
+  m_hand.led = {drag.to, drag.to, false, m_session.body().elements.active_count()};
+  m_step.reset();
   if (by != Vec3d(0)) {
-    m_stroke = {EventKind::drag, 0, 0, step, m_hand.reached, m_hand.reached + by};
+    m_step = {EventKind::drag, 0, 0, step, m_hand.reached, m_hand.reached + by};
   }
   m_lead->lead_to(by);
-  if (!m_lead->has_level()) {
-    Step follower;
-    follower.drags = step.drags;
-    follower.no_relax = true;
-    follower.shift_pieces = !m_session->body().rigid.empty();
-    try {
-      m_session->step(follower);
-      m_lead->show_before(m_session->body().q);
-      m_session->undo();
-    } catch (const InputError&) {  // ChainMail cannot follow: a level will
-    }
+  if (m_lead->has_level()) return;
+  Step follower;
+  follower.drags = step.drags;
+  follower.no_relax = true;
+  follower.shift_pieces = !m_session.body().rigid.empty();
+  try {
+    m_session.step(follower);
+    m_lead->show_before(m_session.body().q);
+    m_session.undo();
+  } catch (const InputError&) {  // ChainMail cannot follow: a level will
   }
 }
 
-/// The stroke takes its place among the steps, which it has whenever it is done.
-void LiveSession::close_stroke() {
-  if (!m_stroke || m_stroke->order > 0) return;
+void LedStroke::close() {
+  if (!m_step || m_step->order > 0) return;
   m_history.undone.clear();
   m_history.undone_looks.clear();
-  m_stroke->stroke = m_history.stroke_of(m_stroke->kind, m_stroke->step);
-  m_stroke->order = ++m_history.order;
+  m_step->stroke = m_history.stroke_of(m_step->kind, m_step->step);
+  m_step->order = ++m_history.order;
 }
 
-/// Does the step of the stroke, once its responses are found. Where that cannot be, the stroke is
-/// dropped; Cancelled leaves it to be done.
-void LiveSession::end_stroke(Progress* progress) {
-  if (!m_stroke) return;
-  close_stroke();
+void LedStroke::finish(Progress* progress) {
+  if (!m_step) return;
+  close();
   try {
-    Step step = m_stroke->step;
+    Step step = m_step->step;
     if (m_lead) step.fem->responses = m_lead->found(progress);
-    m_session->step(step, progress);
+    m_session.step(step, progress);
   } catch (const Cancelled&) {
     throw;
   } catch (...) {
-    m_stroke.reset();
+    m_step.reset();
     m_lead.reset();
     throw;
   }
-  m_hand.reached = m_stroke->reached;
-  m_history.done.push_back(*std::exchange(m_stroke, {}));
+  m_hand.reached = m_step->reached;
+  m_history.done.push_back(*std::exchange(m_step, {}));
   m_lead.reset();
+}
+
+bool LedStroke::take_back() {
+  if (!m_step) return false;
+  close();
+  m_hand.reached = m_step->reached_before;
+  m_history.undone.push_back(*std::exchange(m_step, {}));
+  if (m_hand.grab && m_lead) {
+    m_lead->lead_to(Vec3d(0));
+  } else {
+    m_lead.reset();
+  }
+  return true;
 }
 
 }  // namespace supple::tools

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "lib/session/step_model.h"
-#include "tools/scene/live/hand_lead.h"
+#include "tools/scene/live/led_stroke.h"
 #include "tools/scene/live/live_view.h"
 
 namespace supple::tools {
@@ -57,19 +57,9 @@ void LiveSession::change_view(const LiveEvent& event) {
 
 /// Takes one step back; false where none is left.
 bool LiveSession::take_back() {
-  if (m_stroke) {
-    close_stroke();
-    m_hand.reached = m_stroke->reached_before;
-    m_history.undone.push_back(*std::exchange(m_stroke, {}));
-    if (m_hand.grab && m_lead) {
-      m_lead->lead_to(Vec3d(0));
-    } else {
-      m_lead.reset();
-    }
-    return true;
-  }
+  if (m_led->take_back()) return true;
   if (m_history.done.empty() || !m_session->undo()) return false;
-  m_lead.reset();
+  m_led->drop_lead();
   m_hand.reached = m_history.done.back().reached_before;
   hand_over(m_history.done, m_history.undone);
   return true;
@@ -79,7 +69,7 @@ void LiveSession::undo(const LiveEvent& event) {
   std::vector<DoneLook>& looks = m_history.looks;
   const std::vector<DoneStep>& done = m_history.done;
   int newest = done.empty() ? 0 : done.back().order;
-  if (m_stroke) newest = m_hand.grab ? m_history.order + 1 : m_stroke->order;
+  if (m_led->moves()) newest = m_led->order();
   if (event.looks && !looks.empty() && newest < looks.back().order) {
     m_view->set_part(looks.back().kind, looks.back().before);
     return hand_over(looks, m_history.undone_looks);

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "lib/session/step_model.h"
-#include "tools/scene/live/hand_lead.h"
+#include "tools/scene/live/led_stroke.h"
 #include "tools/scene/live/live_view.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/plan/memory_need.h"
@@ -76,6 +76,7 @@ LiveSession::LiveSession(const Table& root, Progress* progress)
   const SessionOptions options{m_scene->material, m_scene->labels_path, m_scene->read, true};
   require_memory_to_open(*m_scene, progress);
   m_session = std::make_unique<Session>(m_scene->volume_path, options, progress);
+  m_led = std::make_unique<LedStroke>(*m_session, m_history, m_hand);
   add_bodies(m_scene->bodies, *m_session);
   if (m_session->geometry().dims().z == 1) {
     throw InputError({m_scene->volume_path, "", "one slice", "a volume of several slices"});
@@ -107,8 +108,8 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
   const bool is_of_stroke = event.kind == EventKind::drag || event.kind == EventKind::undo ||
                             (event.kind == EventKind::release && event.cut == 0);
   if (!is_of_stroke) {
-    end_stroke(progress);
-    m_lead.reset();
+    m_led->finish(progress);
+    m_led->drop_lead();
   }
   switch (event.kind) {
     case EventKind::grab:
@@ -123,7 +124,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       }
       m_hand = {event, Vec3d(0), {}};
       m_history.hand_stroke = ++m_history.stroke;
-      begin_lead();
+      if (is_under_hand()) m_led->begin(*m_model);
       break;
     }
     case EventKind::drag:
@@ -163,7 +164,7 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
     throw InputError({event.place, "drag", "nothing that is grabbed", "grab or push before it"});
   }
   const Vec3d by = event.to - m_hand.reached;
-  if (is_under_hand()) return lead_by(event, by);
+  if (is_under_hand()) return m_led->lead_by(event, by, *m_model);
   if (by == Vec3d(0)) return;
   Step step;
   step.place = event.place;
@@ -206,12 +207,12 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
            m_history.done.back().stroke == m_history.hand_stroke;
   };
   const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
-  if (event.restore && m_hand.grab && m_stroke) take_back();
-  if (lets_go) end_stroke(progress);
-  if (m_stroke) {
-    close_stroke();
+  if (event.restore && m_hand.grab) m_led->take_back();
+  if (lets_go) m_led->finish(progress);
+  if (m_led->moves()) {
+    m_led->close();
   } else {
-    m_lead.reset();
+    m_led->drop_lead();
   }
   const bool was_dragged = is_last_a_drag() && !is_under_hand();
   while (event.restore && is_last_a_drag() && take_back()) {
@@ -227,7 +228,11 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     step.keys = {{"release", true}};
     run(event.kind, step, progress);
   }
-  if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, is_unsettled, progress);
+  if (event.handle > 0 || event.anchor > 0) {
+    const Step step = step_without(event, held());
+    if (is_unsettled) settle_drags(progress);
+    run(event.kind, step, progress);
+  }
   m_hand.grab.reset();
   const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
                        m_session->material().relaxes && !m_model && m_limits != Limits::ball;
@@ -289,8 +294,12 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
   m_relaxation->step.keys["relax"]["budget"] = budget;
 }
 
+bool LiveSession::has_more() const {
+  return m_is_unsettled || m_pending > 0 || m_led->is_to_do();
+}
+
 void LiveSession::go_on(Progress* progress) {
-  if (m_stroke && !m_hand.grab) return end_stroke(progress);
+  if (m_led->is_to_do()) return m_led->finish(progress);
   if (m_is_unsettled) return settle_drags(progress);
   if (m_pending > 0) relax(*m_relaxation, m_pending, progress);
 }
@@ -299,7 +308,7 @@ void LiveSession::go_on(Progress* progress) {
 void LiveSession::stop() {
   m_pending = 0;
   m_is_unsettled = false;
-  if (!m_stroke || m_hand.grab) return;
+  if (!m_led->is_to_do()) return;
   take_back();
   LiveEvent undo;
   undo.kind = EventKind::undo;
@@ -316,6 +325,14 @@ void LiveSession::begin_with_look(const std::string& preset) {
 
 void LiveSession::record_with(Recorder recorder) {
   m_journal->record_with(std::move(recorder));
+}
+
+HeldParts LiveSession::held() const {
+  return held_parts(m_history.done, m_is_state_anchored);
+}
+
+HandLead* LiveSession::lead() const {
+  return m_led->lead();
 }
 
 Value LiveSession::journal() const {

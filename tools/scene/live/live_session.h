@@ -12,6 +12,7 @@
 
 #include "lib/session/session.h"
 #include "tools/scene/file/live_event.h"
+#include "tools/scene/live/held_parts.h"
 #include "volumes/base/value.h"
 
 namespace supple {
@@ -21,6 +22,7 @@ struct StepModel;  // lib/session/step_model.h
 namespace supple::tools {
 
 class HandLead;
+class LedStroke;
 class LiveJournal;
 class LiveView;
 struct Scene;
@@ -74,13 +76,6 @@ struct LiveHand {
   std::optional<Led> led;
 };
 
-/// Parts that are held and fixed since everything was let go of last.
-struct HeldParts {
-  std::vector<Drag> handles;  // which stay where they are
-  std::vector<PlacedSelection> anchors;
-  bool has_others = false;  // fixed labels or points: nothing is let go of one by one
-};
-
 class LiveSession {
  public:
   /// Opens what the root of a journal or a scene describes; its events or steps are left to
@@ -96,7 +91,7 @@ class LiveSession {
   void carry_out(const LiveEvent& event, Progress* progress = nullptr);
   /// True if drags are still to be settled, by turns of pieces or finite elements, or tissue to
   /// relax; any event but those of the view ends it.
-  bool has_more() const { return m_is_unsettled || m_pending > 0 || (m_stroke && !m_hand.grab); }
+  bool has_more() const;
   /// True if the first of it settles drags, which may take long.
   bool is_unsettled() const { return m_is_unsettled; }
   /// Does a slice of it. Throws Cancelled: it is still to be done.
@@ -123,7 +118,7 @@ class LiveSession {
   bool is_under_hand() const { return m_model && m_model->under_hand; }
   /// These, while something is grabbed and until the stroke is done: what pictures show instead of
   /// the body; null: they show that.
-  HandLead* lead() const { return m_lead.get(); }
+  HandLead* lead() const;
   /// Handles and anchors that can be let go of one by one.
   HeldParts held() const;
   Limits limits() const { return m_limits; }
@@ -137,12 +132,7 @@ class LiveSession {
  private:
   void act_on(const LiveEvent& event, Progress* progress);
   void drag(const LiveEvent& event, Progress* progress);
-  void begin_lead();
-  void lead_by(const LiveEvent& event, const Vec3d& by);
-  void close_stroke();
-  void end_stroke(Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
-  void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);
   void take_out_cut(const LiveEvent& event, Progress* progress);
   void run(EventKind kind, const Step& step, Progress* progress);
   void settle_drags(Progress* progress);
@@ -166,10 +156,7 @@ class LiveSession {
   std::optional<LiveEvent> m_relaxation;
   int m_pending = 0;
   bool m_is_unsettled = false;
-  std::unique_ptr<HandLead> m_lead;
-  /// What the hand ends with, or has ended with, and is still to be done; none while the hand is
-  /// where it grabbed.
-  std::optional<DoneStep> m_stroke;
+  std::unique_ptr<LedStroke> m_led;
 };
 
 }  // namespace supple::tools
