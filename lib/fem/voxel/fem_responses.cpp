@@ -3,13 +3,11 @@
 #include <cmath>
 #include <utility>
 
-#include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/response/response_set.h"
-#include "lib/fem/voxel/coarse_elements.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_results.h"
 #include "lib/fem/voxel/hex_operator.h"
-#include "lib/fem/voxel/voxel_systems.h"
+#include "lib/fem/voxel/level_solver.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
 
@@ -60,54 +58,12 @@ ResidualSize residual_of(const HexOperator& stiffness, const NodalLoads& loads,
   return meter(r);
 }
 
-template <class Solver>
-NodalSolution solved_by(Solver& solver, Progress* progress) {
-  const bool is_converged = solver.run(progress, progress);
-  NodalSolution out;
-  out.iterations = solver.iterations();
-  out.residual_max = solver.size().max;
-  out.seen_mn = solver.size().seen_mn;
-  if (!is_converged) {
-    FemReport told;
-    told.iterations = out.iterations;
-    note(solver.size(), told);
-    throw NotConverged(told);
-  }
-  out.residual_mn = solver.residual();
-  out.u_mm = solver.take_u();
-  return out;
-}
-
 }  // namespace
 
 std::vector<NodalSolution> FemModel::solve_beside(std::vector<NodalLoads> loads,
                                                   const FemParams& params,
                                                   Progress* progress) const {
-  std::vector<NodalSolution> all;
-  if (loads.empty()) return all;
-  const CgLimits limits{params.tolerance, params.reaction_tolerance, params.max_iterations};
-  const auto solve_with = [&](auto&& solver, std::size_t system_bytes) {
-    const std::size_t bytes = this->bytes() + system_bytes + solver.bytes() +
-                              all.size() * 2 * sizeof(double) * solver.residual().size();
-    all.push_back(solved_by(solver, progress));
-    all.back().bytes = bytes;
-  };
-  if (params.doublings > 0) {
-    Multigrid multigrid(levels(), stiffness(), material(), loads.front().held, {}, progress,
-                        params.doublings);
-    stage(progress, "solving");
-    for (NodalLoads& one : loads) {
-      solve_with(CoarseElements(stiffness(), multigrid, params.doublings, one, limits),
-                 multigrid.bytes());
-    }
-    return all;
-  }
-  VoxelSystem system(levels(), stiffness(), material(), loads.front().held, progress);
-  stage(progress, "solving");
-  for (NodalLoads& one : loads) {
-    solve_with(ConjugateGradients(system, one, limits), system.bytes());
-  }
-  return all;
+  return LevelSolver(*this).solve(loads, params, false, progress);
 }
 
 void FemModel::keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions,
