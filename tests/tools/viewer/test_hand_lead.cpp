@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/body/slot_set.h"
+#include "lib/session/kept_voxels.h"
 #include "tests/support/program.h"
 #include "tools/console/console.h"
 #include "tools/scene/file/view.h"
@@ -166,6 +167,19 @@ TEST_F(UnitHandLead, ReleaseWithoutMotionRestoreAndStopLeaveNothing) {
   EXPECT_FALSE(live->has_more());
   EXPECT_EQ(hash(*live), before);
   EXPECT_EQ(replayed(live->journal()), before);
+}
+
+TEST_F(UnitHandLead, TheSolidIsMadeBeforeTheGrabAndStaysWhereAStrokeIsCancelled) {
+  const auto live = led({kGrab, drag_to("[2, 0, 0]")});
+  const auto solid = [&] { return live->lead()->found(nullptr)->voxels; };
+  const auto first = solid();
+  carry_out(*live, {"kind = \"release\"\nrestore = true", kGrab});
+  EXPECT_EQ(solid(), first);
+  carry_out(*live, {"kind = \"release\"",
+                    "kind = \"cut\"\nplane = { corner = [12, -1, 14], edge1 = [0, 26, 0], "
+                    "edge2 = [0, 0, 12], frame = \"voxel\" }",
+                    kGrab});
+  EXPECT_NE(solid(), first);
 }
 
 TEST_F(UnitHandLead, AnotherGrabFinishesTheStrokeBeforeItAndOtherStepsTheOneThatIsHeld) {

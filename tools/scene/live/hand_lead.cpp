@@ -1,6 +1,7 @@
 #include "tools/scene/live/hand_lead.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lib/session/kept_voxels.h"
 
@@ -15,8 +16,10 @@ constexpr double kBlend_ms = 200;
 
 }  // namespace
 
-/// Cancels where the hand asks for it; says nothing.
-class HandLead::Listening final : public Progress {
+namespace {
+
+/// Cancels where another thread asks for it; says nothing.
+class Listening final : public Progress {
  public:
   explicit Listening(const std::atomic<bool>& is_cancelled) : m_is_cancelled(is_cancelled) {}
   void stage(std::string_view) override {}
@@ -27,7 +30,34 @@ class HandLead::Listening final : public Progress {
   const std::atomic<bool>& m_is_cancelled;
 };
 
-HandLead::HandLead(const SessionBody& in, const Step& grab, const std::vector<Vec3d>& directions)
+}  // namespace
+
+AheadThread::AheadThread(SessionBody& in, const FemStep& step) : m_solid(in, step) {
+  m_thread = std::thread([this] {
+    Listening progress(m_is_cancelled);
+    try {
+      m_solid.run(&progress);
+    } catch (...) {  // who needs the solid makes it, and hears why it cannot be
+    }
+    m_is_over = true;
+  });
+}
+
+AheadThread::~AheadThread() {
+  m_is_cancelled = true;
+  m_thread.join();
+}
+
+std::shared_ptr<KeptVoxels> AheadThread::voxels(const Progress* progress) const {
+  while (!m_is_over) {
+    poll(progress);
+    std::this_thread::sleep_for(5ms);
+  }
+  return m_solid.voxels();
+}
+
+HandLead::HandLead(const SessionBody& in, const Step& grab, const std::vector<Vec3d>& directions,
+                   std::shared_ptr<AheadThread> ahead)
     : m_live(in, grab,
              [&] {
                std::vector<DragPose> poses;
@@ -39,10 +69,10 @@ HandLead::HandLead(const SessionBody& in, const Step& grab, const std::vector<Ve
   show_before(in.body.q);
   m_has_shape = false;
   m_from = m_aim = m_shape;
-  m_thread = std::thread([this] {
+  m_thread = std::thread([this, ahead = std::move(ahead)] {
     Listening progress(m_is_cancelled);
     try {
-      m_live.run(&progress);
+      m_live.run(&progress, ahead ? ahead->voxels(&progress) : nullptr);
     } catch (...) {
       m_failure = std::current_exception();
     }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "lib/session/live_shape.h"
+#include "lib/session/solid_ahead.h"
 #include "volumes/base/progress.h"
 
 namespace supple::tools {
@@ -24,12 +25,32 @@ struct LeadState {
   bool is_done = false;
 };
 
+/// Makes a solid ahead on a thread of its own.
+class AheadThread {
+ public:
+  AheadThread(SessionBody& in, const FemStep& step);
+  /// Cancels it.
+  ~AheadThread();
+
+  bool is_of(SessionBody& in, const FemStep& step) const { return m_solid.is_of(in, step); }
+  /// The solid, waited for; null where it cannot be made. Throws Cancelled where `progress` says
+  /// so: it is still being made.
+  std::shared_ptr<KeptVoxels> voxels(const Progress* progress) const;
+
+ private:
+  SolidAhead m_solid;
+  std::atomic<bool> m_is_cancelled{false}, m_is_over{false};
+  std::thread m_thread;
+};
+
 class HandLead {
  public:
   using Clock = std::chrono::steady_clock;
   /// Begins to find the responses of the handle of `grab`, which is on the grid and moves nothing,
-  /// in these directions, in mm along the grid axes. Throws as LiveResponses.
-  HandLead(const SessionBody& in, const Step& grab, const std::vector<Vec3d>& directions);
+  /// in these directions, in mm along the grid axes. `ahead`: the solid that is being made, which
+  /// is waited for; null: none is. Throws as LiveResponses.
+  HandLead(const SessionBody& in, const Step& grab, const std::vector<Vec3d>& directions,
+           std::shared_ptr<AheadThread> ahead);
   /// Cancels what is still being found.
   ~HandLead();
 
@@ -56,7 +77,6 @@ class HandLead {
   std::shared_ptr<const FemResponses> found(Progress* progress);
 
  private:
-  class Listening;
   LiveResponses m_live;
   LiveShape m_elements;
   std::size_t m_bricks = 0;

@@ -43,11 +43,23 @@ void LedStroke::drop_lead() {
   m_lead.reset();
 }
 
+void LedStroke::make_solid(const LiveEvent* model) {
+  if (model == nullptr) return m_ahead.reset();
+  Step step;
+  take_model(model->step, step);
+  SessionBody& body = m_session.held_body();
+  if (m_ahead && m_ahead->is_of(body, *step.fem)) return;
+  m_ahead.reset();
+  // Solids of joined voxels change with what is held.
+  if (step.fem->params.elements.touching == Touching::joined) return;
+  m_ahead = std::make_shared<AheadThread>(body, *step.fem);
+}
+
 void LedStroke::begin(const LiveEvent& model) {
   m_lead.reset();
   const Step grab = on_grid(stroke_of(*m_hand.grab, model, Vec3d(0)), m_session.geometry());
   try {
-    m_lead = std::make_unique<HandLead>(m_session.held_body(), grab, grab.fem->directions);
+    m_lead = std::make_unique<HandLead>(m_session.held_body(), grab, grab.fem->directions, m_ahead);
   } catch (...) {
     m_hand.grab.reset();
     throw;

@@ -9,6 +9,7 @@
 
 namespace supple::tools {
 
+class AheadThread;
 class HandLead;
 
 class LedStroke {
@@ -17,6 +18,9 @@ class LedStroke {
   LedStroke(Session& session, LiveHistory& history, LiveHand& hand);
   ~LedStroke();
 
+  /// Makes the solid of the body ahead, on a thread of its own, unless it is there; null: of no
+  /// model, there is none ahead any more.
+  void make_solid(const LiveEvent* model);
   /// Begins to find the responses of what is grabbed, by the model that this event chose. Throws as
   /// HandLead; nothing is grabbed then.
   void begin(const LiveEvent& model);
@@ -48,6 +52,7 @@ class LedStroke {
   Session& m_session;
   LiveHistory& m_history;
   LiveHand& m_hand;
+  std::shared_ptr<AheadThread> m_ahead;
   std::unique_ptr<HandLead> m_lead;
   std::optional<DoneStep> m_step;
 };

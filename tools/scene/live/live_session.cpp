@@ -155,6 +155,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       run(event.kind, event.step, progress);
   }
   m_journal->add(event);
+  if (!m_hand.grab) m_led->make_solid(is_under_hand() ? &*m_model : nullptr);
 }
 
 /// Drags from where the handle has got to, so that one that an anchor stopped follows at once when
