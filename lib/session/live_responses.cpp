@@ -28,7 +28,7 @@ constexpr double kRough = 1e-1;
 struct LevelKind {
   int doublings, iterations;
 };
-constexpr LevelKind kLevels[] = {{3, 100}, {0, 3}, {0, 6}, {0, 12}, {0, 0}};
+constexpr LevelKind kLevels[] = {{3, 100}, {0, 2}, {0, 3}, {0, 5}, {0, 11}, {0, 0}};
 /// Directions that are shorter than this part of their target are no directions of their own.
 constexpr double kLeastPart = 1e-6;
 /// Places are rounded to 2^-16 voxel: what a direction asks less than this is no motion.

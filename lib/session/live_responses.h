@@ -6,7 +6,7 @@
 // of the hand makes of the best level so far, and displacements() of it the elements that a picture
 // needs.
 //
-// Levels are elements of 8 voxels, then of 1 after 3, 9 and 21 iterations and at the end, each
+// Levels are elements of 8 voxels, then of 1 after 2, 5, 10 and 21 iterations and at the end, each
 // started from the one before. Then found() has the solutions of the last level, for the step that
 // the hand ends with.
 // A direction is a target of the handle, such as a shift along each axis of a view, or turns by 90
