@@ -9,7 +9,7 @@
 #include "lib/fem/voxel/fem_cost.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/file/fem_keys.h"
-#include "lib/session/live_responses.h"
+#include "lib/session/hand/live_responses.h"
 #include "lib/session/models/drags.h"
 #include "lib/session/step_warnings.h"
 

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "lib/session/live_shape.h"
-#include "lib/session/solid_ahead.h"
+#include "lib/session/hand/live_shape.h"
+#include "lib/session/hand/solid_ahead.h"
 #include "volumes/base/progress.h"
 
 namespace supple::tools {

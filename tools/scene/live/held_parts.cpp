@@ -1,7 +1,5 @@
 #include "tools/scene/live/held_parts.h"
 
-#include "tools/scene/live/live_session.h"
-
 namespace supple::tools {
 
 namespace {

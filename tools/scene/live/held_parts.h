@@ -3,19 +3,9 @@
 
 #include <vector>
 
-#include "lib/session/step.h"
+#include "tools/scene/live/live_session.h"
 
 namespace supple::tools {
-
-struct DoneStep;  // tools/scene/live/live_session.h
-struct LiveEvent;
-
-/// Parts that are held and fixed since everything was let go of last.
-struct HeldParts {
-  std::vector<Drag> handles;  // which stay where they are
-  std::vector<PlacedSelection> anchors;
-  bool has_others = false;  // fixed labels or points: nothing is let go of one by one
-};
 
 /// Finds them. Drags of one stroke are one handle. `has_others`: before these steps.
 HeldParts held_parts(const std::vector<DoneStep>& done, bool has_others);

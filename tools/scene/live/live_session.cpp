@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "lib/session/step_model.h"
+#include "tools/scene/live/held_parts.h"
 #include "tools/scene/live/led_stroke.h"
 #include "tools/scene/live/live_view.h"
 #include "tools/scene/live/model_price.h"

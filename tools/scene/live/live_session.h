@@ -12,7 +12,6 @@
 
 #include "lib/session/session.h"
 #include "tools/scene/file/live_event.h"
-#include "tools/scene/live/held_parts.h"
 #include "volumes/base/value.h"
 
 namespace supple {
@@ -74,6 +73,13 @@ struct LiveHand {
   std::optional<LiveEvent> grab;
   Vec3d reached{0, 0, 0};
   std::optional<Led> led;
+};
+
+/// Parts that are held and fixed since everything was let go of last.
+struct HeldParts {
+  std::vector<Drag> handles;  // which stay where they are
+  std::vector<PlacedSelection> anchors;
+  bool has_others = false;  // fixed labels or points: nothing is let go of one by one
 };
 
 class LiveSession {

@@ -7,10 +7,10 @@
 
 #include "lib/material/material.h"
 #include "lib/session/kept_voxels.h"
-#include "lib/session/live_responses.h"
+#include "lib/session/hand/live_responses.h"
 #include "lib/session/session.h"
 #include "lib/session/session_body.h"
-#include "lib/session/solid_ahead.h"
+#include "lib/session/hand/solid_ahead.h"
 #include "tests/support/program.h"
 
 using namespace supple;

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "lib/session/live_responses.h"
+#include "lib/session/hand/live_responses.h"
 
 namespace supple {
 

@@ -1,4 +1,4 @@
-#include "lib/session/solid_ahead.h"
+#include "lib/session/hand/solid_ahead.h"
 
 #include <utility>
 

@@ -22,8 +22,8 @@
 #include <mutex>
 #include <vector>
 
+#include "lib/session/hand/piece_moments.h"
 #include "lib/session/kept_voxels.h"
-#include "lib/session/piece_moments.h"
 #include "lib/session/session_body.h"
 
 namespace supple {

@@ -1,4 +1,4 @@
-#include "lib/session/live_responses.h"
+#include "lib/session/hand/live_responses.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "lib/session/live_shape.h"
+#include "lib/session/hand/live_shape.h"
 
 #include <cstdint>
 
