@@ -6,11 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "lib/material/material.h"
-#include "lib/session/kept_voxels.h"
 #include "lib/session/hand/live_responses.h"
+#include "lib/session/hand/solid_ahead.h"
+#include "lib/session/kept_voxels.h"
 #include "lib/session/session.h"
 #include "lib/session/session_body.h"
-#include "lib/session/hand/solid_ahead.h"
 #include "tests/support/program.h"
 
 using namespace supple;
