@@ -86,9 +86,11 @@ HeldVoxels VoxelFemModel::find(const std::vector<Handle>& handles, const FixedEl
   HeldVoxels found = hold(m_held.body, handles, fixed, m_held.holds);
   m_grips = fem_grips(m_held.body, found, m_told);
   m_model->join_hinges(shape(), progress);
+  const bool may_hinge = m_params.elements.touching == Touching::joined;
   do {
     hold_corners();
-  } while (m_model->part_hinges(shape(), held_bits(m_model->mesh(), m_loads.held), progress));
+  } while (may_hinge &&
+           m_model->part_hinges(shape(), held_bits(m_model->mesh(), m_loads.held), progress));
   return found;
 }
 

@@ -4,6 +4,7 @@
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/motion_step.h"
 #include "lib/session/fem_step.h"
+#include "lib/session/kept_voxels.h"
 #include "lib/session/tet_step.h"
 #include "volumes/base/value.h"
 
@@ -31,6 +32,10 @@ std::optional<Problem> contradiction(const FemStep& step) {
                                                        : nullptr;
   if (step.params.doublings > 0 && beside_large != nullptr) {
     return Problem{"", "coarsen", std::string("larger elements beside ") + beside_large, "0"};
+  }
+  const std::string no_sum = beside != nullptr ? beside : why_no_sum(step.params);
+  if (!step.directions.empty() && !no_sum.empty()) {
+    return Problem{"", "directions", "directions beside " + no_sum, "linear equilibria of voxels"};
   }
   return std::nullopt;
 }
@@ -144,6 +149,7 @@ Value settings_value(const FemStep& step) {
     value["motion"] = fields_value(fields(*copy.motion));
     for (const Vec3i& voxel : copy.motion->watch) value["motion"]["watch"].push_back(voxel);
   }
+  for (const Vec3d& direction : copy.directions) value["directions"].push_back(direction);
   if (copy.modes) value["modes"] = fields_value(fields(*copy.modes));
   if (copy.tets) value.update(settings_value(*copy.tets));
   for (FemLoad& load : copy.loads) {

@@ -15,8 +15,9 @@
 
 namespace supple {
 
-struct TetRecord;  // lib/session/tet_record.h
-struct TetStep;    // lib/session/tet_step.h
+struct FemResponses;  // lib/session/kept_voxels.h
+struct TetRecord;     // lib/session/tet_record.h
+struct TetStep;       // lib/session/tet_step.h
 
 enum class LoadKind { force, pressure, swelling };
 const char* name_of(LoadKind kind);
@@ -49,7 +50,12 @@ struct FemStep {
   std::optional<ModeStep> modes;     // instead of an equilibrium
   std::optional<MotionStep> motion;  // likewise
   bool keeps_nodes = false;          // for a motion that the next step is to have
-  std::shared_ptr<TetStep> tets;     // tetrahedra instead of voxels, in equilibrium
+  /// Shifts of the only handle, in mm along the grid axes, whose responses are found before, so
+  /// that the step is a sum of them: as a hand has them that is followed. `responses`: they are
+  /// found already.
+  std::vector<Vec3d> directions;
+  std::shared_ptr<const FemResponses> responses;
+  std::shared_ptr<TetStep> tets;  // tetrahedra instead of voxels, in equilibrium
 };
 
 struct FemRecord {

@@ -199,6 +199,7 @@ void OpenScene::drew(const Image& first, const LiveCost&, const Stopwatch& since
   if (!m_moves_view) {
     for (std::size_t view = 1; view < kViewCount; ++view) m_stale[view] = 2;
   }
+  if (m_live.lead() != nullptr) m_is_told = false;  // of another level, or of its force
   if (m_settings.sizes[0][0] == 0) return;
   FrameMessage frame = frame_of(0, 0);
   frame.picture = jpeg_of(first);

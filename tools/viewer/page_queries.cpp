@@ -1,6 +1,7 @@
 #include "tools/viewer/page_queries.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 
 #include "lib/material/material.h"
@@ -8,6 +9,7 @@
 #include "lib/relax/relaxation.h"
 #include "lib/session/spring_step.h"
 #include "lib/session/step_model.h"
+#include "tools/scene/file/live_event.h"
 #include "tools/scene/run/reports.h"
 #include "tools/viewer/saving.h"
 #include "volumes/base/value.h"
@@ -97,11 +99,20 @@ Value options_json(const Fields& fields) {
   return json;
 }
 
+/// Behind the name of a model in the menu that is under the hand.
+constexpr const char* kUnderHand = "/hand";
+
 /// The menu of models, and whether each has keys.
 Value models_json() {
   Value json = Value::List();
   for (const StepModel& model : step_models()) {
     json.push_back({{"name", model.name}, {"title", model.menu}, {"has_keys", bool(model.fields)}});
+    Step step;
+    if (model.choose) model.choose(step);
+    if (!why_not_under_hand(step).empty()) continue;
+    std::string title = model.title + ", under the hand";
+    title[0] = char(std::toupper(title[0]));
+    json.push_back({{"name", model.name + kUnderHand}, {"title", title}, {"has_keys", false}});
   }
   return json;
 }

@@ -1,8 +1,10 @@
 #include "tools/viewer/scene_json.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "lib/session/step_model.h"
+#include "tools/scene/live/hand_lead.h"
 #include "tools/scene/live/step_texts.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/view_pictures.h"
@@ -113,6 +115,16 @@ Value shown_slices(const SliceSettings& slices, const ScalarRange& range) {
   return json;
 }
 
+/// The error that is left, where it is known, and the force at the handle.
+Value lead_json(const LeadState& state) {
+  Value lead = {{"level", state.pose.level}, {"done", state.is_done}};
+  if (state.pose.level < 0) return lead;
+  lead["edge_voxels"] = 1 << state.pose.doublings;
+  lead["force_n"] = state.force_n.length();
+  if (std::isfinite(state.pose.error_mm)) lead["error_mm"] = state.pose.error_mm;
+  return lead;
+}
+
 }  // namespace
 
 Value transfer_json(const TransferFunction& function) {
@@ -211,6 +223,8 @@ Value SceneDescription::body() {
   const char* const limits[] = {"box", "ball", "tighten"};
   scene["limits"] = limits[std::size_t(m_live.limits())];
   scene["model"] = m_live.model().name;
+  scene["under_hand"] = m_live.is_under_hand();
+  if (m_live.lead() != nullptr) scene["lead"] = lead_json(m_live.lead()->state());
   scene["relaxing"] = m_live.passes_left();
   scene["settling"] = m_live.has_more();
   scene["relaxes"] = session.material().relaxes;

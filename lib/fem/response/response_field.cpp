@@ -43,12 +43,19 @@ void ResponseField::sum(const std::vector<double>& parts, std::size_t begin, std
 }
 
 std::vector<float> ResponseField::changes(std::size_t response, const ResponseField& before,
-                                          std::size_t every) const {
+                                          std::size_t every, double least_part) const {
   const std::vector<float>&now = m_values[response], &then = before.m_values[response];
+  const auto at = [](const std::vector<float>& values, std::size_t n) {
+    return Vec3f(values[n], values[n + 1], values[n + 2]);
+  };
+  double most = 0;
+  for (std::size_t n = 0; n < now.size(); n += 3 * every) {
+    most = std::max(most, double(at(now, n).length()));
+  }
   std::vector<float> lengths;
   for (std::size_t n = 0; n < now.size(); n += 3 * every) {
-    const Vec3f change(now[n] - then[n], now[n + 1] - then[n + 1], now[n + 2] - then[n + 2]);
-    lengths.push_back(float(change.length()));
+    if (double(at(now, n).length()) < least_part * most) continue;
+    lengths.push_back(float((at(now, n) - at(then, n)).length()));
   }
   return lengths;
 }

@@ -20,9 +20,10 @@ class ResponseField {
   /// divided among threads in any way: the bits stay.
   void sum(const std::vector<double>& parts, std::size_t begin, std::size_t end, Vec3f* out) const;
 
-  /// Lengths of the difference of a response from that of another field, at every n-th element.
-  std::vector<float> changes(std::size_t response, const ResponseField& before,
-                             std::size_t every) const;
+  /// Lengths of the difference of a response from that of another field, at every n-th element of
+  /// those where its own is at least this part of the largest.
+  std::vector<float> changes(std::size_t response, const ResponseField& before, std::size_t every,
+                             double least_part = 0) const;
   std::size_t bytes() const;
 
  private:

@@ -1,4 +1,4 @@
-// Solutions as sums of earlier ones.
+// Solutions as sums of earlier ones, and several beside each other.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,7 +9,7 @@
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_results.h"
 #include "lib/fem/voxel/hex_operator.h"
-#include "lib/fem/voxel/voxel_systems.h"
+#include "lib/fem/voxel/level_solver.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/units.h"
 
@@ -60,14 +60,20 @@ ResidualSize residual_of(const HexOperator& stiffness, const NodalLoads& loads,
   return meter(r);
 }
 
+/// True where nothing moves the body: it stays.
+bool is_at_rest(const NodalLoads& loads) {
+  return loads.force_mn.empty() &&
+         std::all_of(loads.u_mm.begin(), loads.u_mm.end(), [](double u_mm) { return u_mm == 0; });
+}
+
 template <class Solver>
-NodalSolution solved_by(Solver& solver, Progress* progress) {
+NodalSolution solved_by(Solver& solver, bool may_be_rough, Progress* progress) {
   const bool is_converged = solver.run(progress, progress);
   NodalSolution out;
   out.iterations = solver.iterations();
   out.residual_max = solver.size().max;
   out.seen_mn = solver.size().seen_mn;
-  if (!is_converged) {
+  if (!is_converged && !may_be_rough) {
     FemReport told;
     told.iterations = out.iterations;
     note(solver.size(), told);
@@ -80,34 +86,43 @@ NodalSolution solved_by(Solver& solver, Progress* progress) {
 
 }  // namespace
 
+std::vector<NodalSolution> LevelSolver::solve(std::vector<NodalLoads>& loads,
+                                              const FemParams& params, bool may_be_rough,
+                                              Progress* progress) {
+  std::vector<NodalSolution> all;
+  if (loads.empty()) return all;
+  const HeldBits& held = loads.front().held;
+  if (!m_system) {
+    m_system = std::make_unique<VoxelSystem>(m_model.levels(), m_model.stiffness(),
+                                             m_model.material(), held, progress, params.doublings);
+  }
+  m_system->multigrid().extend(params.doublings, held, progress);
+  stage(progress, "solving");
+  const CgLimits limits{params.tolerance, params.reaction_tolerance, params.max_iterations};
+  const auto solve_with = [&](auto&& solver) {
+    const std::size_t bytes = m_model.bytes() + m_system->bytes() + solver.bytes() +
+                              all.size() * 2 * sizeof(double) * solver.residual().size();
+    all.push_back(solved_by(solver, may_be_rough, progress));
+    all.back().bytes = bytes;
+  };
+  for (NodalLoads& one : loads) {
+    if (is_at_rest(one)) {
+      all.emplace_back().residual_mn.resize(one.u_mm.size());
+      all.back().u_mm = std::move(one.u_mm);
+    } else if (params.doublings > 0) {
+      solve_with(CoarseElements(m_model.stiffness(), m_system->multigrid(), params.doublings, one,
+                                limits));
+    } else {
+      solve_with(ConjugateGradients(*m_system, one, limits));
+    }
+  }
+  return all;
+}
+
 std::vector<NodalSolution> FemModel::solve_beside(std::vector<NodalLoads> loads,
                                                   const FemParams& params,
                                                   Progress* progress) const {
-  std::vector<NodalSolution> all;
-  if (loads.empty()) return all;
-  const CgLimits limits{params.tolerance, params.reaction_tolerance, params.max_iterations};
-  const auto solve_with = [&](auto&& solver, std::size_t system_bytes) {
-    const std::size_t bytes = this->bytes() + system_bytes + solver.bytes() +
-                              all.size() * 2 * sizeof(double) * solver.residual().size();
-    all.push_back(solved_by(solver, progress));
-    all.back().bytes = bytes;
-  };
-  if (params.doublings > 0) {
-    Multigrid multigrid(levels(), stiffness(), material(), loads.front().held, {}, progress,
-                        params.doublings);
-    stage(progress, "solving");
-    for (NodalLoads& one : loads) {
-      solve_with(CoarseElements(stiffness(), multigrid, params.doublings, one, limits),
-                 multigrid.bytes());
-    }
-    return all;
-  }
-  VoxelSystem system(levels(), stiffness(), material(), loads.front().held, progress);
-  stage(progress, "solving");
-  for (NodalLoads& one : loads) {
-    solve_with(ConjugateGradients(system, one, limits), system.bytes());
-  }
-  return all;
+  return LevelSolver(*this).solve(loads, params, false, progress);
 }
 
 void FemModel::keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions,

@@ -96,13 +96,13 @@ void Multigrid::leave_out_held(const HeldBits& held) {
   if (level.free->share > kMostFreeShare) level.free.reset();
 }
 
-void Multigrid::prepare_thin(const VoxelMaterial& material) {
+void Multigrid::prepare_thin() {
   const Level& level = m_levels[0];
   const double share = m_pieces->groups().share / (level.free ? level.free->share : 1);
   const double steps = kThinProducts / (2 * share);
   if (steps < kLeastThinSteps) return;
   m_thin_steps = std::min(kMostThinSteps, int(steps));
-  m_thin_eigenvalue = element_bound(material);
+  m_thin_eigenvalue = element_bound(*m_material);
   for (std::vector<float>* of : {&m_thin_r, &m_thin_z}) of->resize(3 * m_pieces->node_count());
 }
 
@@ -119,13 +119,12 @@ void Multigrid::invert_diagonal(Level& level, const std::vector<float>& diagonal
 Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
                      const VoxelMaterial& material, const HeldBits& held,
                      const SmootherParams& params, Progress* progress, int first)
-    : m_params(params), m_levels(levels.coarsenings.size()) {
+    : m_params(params),
+      m_material(&material),
+      m_first(int(levels.coarsenings.size())),
+      m_levels(levels.coarsenings.size()) {
   stage(progress, "multigrid");
   const std::vector<HexMesh>& meshes = levels.meshes;
-  if (first == 0 && meshes.size() > 1) {
-    m_pieces.emplace(fine, material, held, progress);
-    if (m_pieces->count() == 0) m_pieces.reset();
-  }
   std::optional<CellClasses> cells;
   if (meshes.size() > 1) {
     cells =
@@ -153,8 +152,6 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
     level.transfer.emplace(meshes[n], meshes[n + 1], levels.coarsenings[n]);
     if (n == 0) {
       level.fine = &fine;
-      if (first == 0) leave_out_held(held);
-      if (m_pieces) prepare_thin(material);
       invert_diagonal(level, fine.diagonal(), &held);
     } else if (n == 1) {
       level.cells.emplace(meshes[1], *cells, material);
@@ -163,19 +160,34 @@ Multigrid::Multigrid(const MeshLevels& levels, const HexOperator& fine,
       level.matrix = assemble<float>(meshes[n], *matrices);
       invert_diagonal(level, level.matrix->diagonal(), nullptr);
     }
-    if (int(n) >= first) {
-      level.largest_eigenvalue = estimate_largest(
-          level.inverse_diagonal, [&](const float* x, float* y) { level.subtract(x, y); });
-    }
     if (n == 0) continue;
     for (std::vector<float>* of : {&level.r, &level.z}) of->resize(level.unknowns());
-    if (n >= kKrylovLevel || int(n) == first) level.make_room_for_steps();
+    if (n >= kKrylovLevel) level.make_room_for_steps();
   }
   m_coarsest.emplace(assemble<double>(meshes[coarsest], *matrices));
   m_coarsest_r.resize(3 * std::size_t(meshes[coarsest].node_count()));
   m_coarsest_z.resize(m_coarsest_r.size());
   matrices.reset();
+  extend(first, held, progress);
   if (meshes[0].node_count() > kManyNodes) return_free_memory();
+}
+
+void Multigrid::extend(int first, const HeldBits& held, Progress* progress) {
+  if (first >= m_first) return;
+  if (first == 0) {
+    const HexOperator& fine = *m_levels[0].fine;
+    m_pieces.emplace(fine, *m_material, held, progress);
+    if (m_pieces->count() == 0) m_pieces.reset();
+    leave_out_held(held);
+    if (m_pieces) prepare_thin();
+  }
+  for (int n = first; n < m_first; ++n) {
+    Level& level = m_levels[std::size_t(n)];
+    level.largest_eigenvalue = estimate_largest(
+        level.inverse_diagonal, [&](const float* x, float* y) { level.subtract(x, y); });
+  }
+  if (first > 0) m_levels[std::size_t(first)].make_room_for_steps();
+  m_first = first;
 }
 
 std::size_t Multigrid::bytes() const {

@@ -44,10 +44,13 @@ struct SmootherParams {
 
 class Multigrid {
  public:
-  /// `levels` and `material` must outlive this. `fine` is the operator of the voxels. Levels below
+  /// `levels`, `fine`, the operator of the voxels, and `material` must outlive this. Levels below
   /// `first` are not smoothed: for solve_at() of `first`, or a coarser one.
   Multigrid(const MeshLevels& levels, const HexOperator& fine, const VoxelMaterial& material,
             const HeldBits& held, const SmootherParams& params, Progress* progress, int first = 0);
+  /// Prepares levels from `first` on, too, as if it had been made so. `held` is that of before.
+  /// Throws Cancelled, all as it was.
+  void extend(int first, const HeldBits& held, Progress* progress);
 
   /// z = B r, r three values per node of the voxels; held components of r do not count, those of z
   /// are 0. `r` is used up. What pieces of thin parts can do is exact: B K z = z for their motions.
@@ -82,7 +85,7 @@ class Multigrid {
     std::size_t unknowns() const { return inverse_diagonal.size(); }
   };
   void leave_out_held(const HeldBits& held);
-  void prepare_thin(const VoxelMaterial& material);
+  void prepare_thin();
   void invert_diagonal(Level& level, const std::vector<float>& diagonal, const HeldBits* held);
   void cycle_from(std::size_t level, float* r, float* z);
   void solve_from(std::size_t level, float* r, float* z);
@@ -95,6 +98,8 @@ class Multigrid {
   void for_thin(Visit&& visit) const;
 
   SmootherParams m_params;
+  const VoxelMaterial* m_material;
+  int m_first;
   const Progress* m_polled = nullptr;  // of the cycle or solution that runs
   std::optional<ThinPieces> m_pieces;
   int m_thin_steps = 0;

@@ -40,10 +40,10 @@ class WeightedOperator final : public Operator {
 /// A matrix of the voxels with its multigrid cycle.
 class VoxelSystem final : public LinearSystem {
  public:
-  /// All but `held` and `progress` must outlive this.
+  /// All but `held` and `progress` must outlive this. `first`: as Multigrid has it.
   VoxelSystem(const MeshLevels& levels, const HexOperator& matrix, const VoxelMaterial& material,
-              const HeldBits& held, Progress* progress)
-      : m_matrix(&matrix), m_multigrid(levels, matrix, material, held, {}, progress) {}
+              const HeldBits& held, Progress* progress, int first = 0)
+      : m_matrix(&matrix), m_multigrid(levels, matrix, material, held, {}, progress, first) {}
   /// Takes the matrix and keeps it.
   VoxelSystem(const MeshLevels& levels, std::unique_ptr<WeightedOperator> matrix,
               const HeldBits& held, Progress* progress)
@@ -56,6 +56,7 @@ class VoxelSystem final : public LinearSystem {
   void precondition(float* r, float* z, const Progress* progress) override {
     m_multigrid.cycle(r, z, progress);
   }
+  Multigrid& multigrid() { return m_multigrid; }
   int level_count() const override { return m_multigrid.level_count(); }
   std::size_t bytes() const override { return m_multigrid.bytes() + (m_own ? m_own->bytes() : 0); }
 

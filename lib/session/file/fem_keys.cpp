@@ -11,6 +11,9 @@ namespace supple {
 
 namespace {
 
+/// Shifts, linear maps: a handle has no more.
+constexpr std::size_t kMostDirections = 12;
+
 FemLoad read_load(Table& table, LoadKind kind, const LabelNames& names) {
   FemLoad load;
   load.kind = kind;
@@ -34,12 +37,25 @@ void read_loads(Table& table, const LabelNames& names, FemStep& fem) {
   }
 }
 
+std::vector<Vec3d> read_directions(Table& table) {
+  std::vector<Vec3d> directions;
+  if (const auto rows = table.rows("directions", {3}, "a list of [x, y, z] in mm")) {
+    for (const std::vector<double>& row : *rows) directions.emplace_back(row[0], row[1], row[2]);
+  }
+  if (directions.size() > kMostDirections) {
+    table.fail("directions", std::to_string(directions.size()),
+               "at most " + std::to_string(kMostDirections));
+  }
+  return directions;
+}
+
 FemStep read_fem(Table& table, const LabelNames& names) {
   FemStep fem;
   table.read({accuracy_field(fem)});
   fem.params.set_accuracy(fem.params.accuracy);
   table.read(fields(fem));
   read_loads(table, names, fem);
+  fem.directions = read_directions(table);
   if (auto modes = table.table("modes")) {
     modes->read(fields(fem.modes.emplace()));
     modes->finish();

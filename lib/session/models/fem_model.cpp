@@ -2,12 +2,14 @@
 #include "lib/model/fem_model.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "lib/chainmail/cut_contact.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_cost.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/file/fem_keys.h"
+#include "lib/session/hand/live_responses.h"
 #include "lib/session/models/drags.h"
 #include "lib/session/step_warnings.h"
 
@@ -17,12 +19,26 @@ namespace {
 
 constexpr double kFineTolerance = 1e-6;
 
+/// The responses of the handle in the directions of the step, before it moves.
+std::shared_ptr<const FemResponses> responses_of(const ModelTask& task) {
+  std::vector<DragPose> directions;
+  for (const Vec3d& by_mm : task.record.fem->directions) directions.push_back({by_mm, {}});
+  LiveResponses live(task.in, task.record, std::move(directions));
+  live.run(task.progress);
+  return live.found();
+}
+
 /// Equilibria know no contact: free pieces are kept out of others, and what sides of cuts do is
 /// told.
 void run_elements(const ModelTask& task) {
   SessionBody& in = task.in;
   StepRecord& record = task.record;
   const std::vector<SlotSet> told = task.told();
+  if (record.fem->responses) {
+    in.responses = std::exchange(record.fem->responses, {});
+  } else if (!record.fem->directions.empty()) {
+    in.responses = responses_of(task);
+  }
   FemTask work{in.held(),   in.cuts(),  in.state.density, in.state.labels, told,
                task.pieces, task.nodes, in.equilibrium,   in.responses,    {}};
   std::unique_ptr<CutContact> contact;

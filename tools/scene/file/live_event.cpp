@@ -1,8 +1,10 @@
 #include "tools/scene/file/live_event.h"
 
 #include "lib/session/file/cut_keys.h"
+#include "lib/session/file/fem_keys.h"
 #include "lib/session/file/handle_keys.h"
 #include "lib/session/file/step_keys.h"
+#include "lib/session/kept_voxels.h"
 #include "lib/session/step_model.h"
 #include "volumes/base/value.h"
 
@@ -31,7 +33,8 @@ Fields own_fields(LiveEvent& event) {
         (name == "all" && !is_release && !is_back) || (name == "looks" && !is_back) ||
         (name == "restore" && !is_release) || (name == "handle" && !is_release) ||
         (name == "anchor" && !is_release) || (name == "cut" && !is_release) ||
-        (name == "no_relax" && !is_release) || (name == "limits" && kind != EventKind::limits);
+        (name == "no_relax" && !is_release) || (name == "limits" && kind != EventKind::limits) ||
+        (name == "under_hand" && kind != EventKind::model);
     if (!is_missing) own.push_back(field);
   }
   return own;
@@ -54,6 +57,7 @@ void read_grab(Table& table, const LabelNames& names, LiveEvent& event) {
   if (event.joint_mm > 0 && !handle.placed->rigid_at) {
     table.fail("joint", "no rigid piece that is grabbed", "rigid_at = [i, j, k] beside it");
   }
+  event.directions = read_directions(table);
 }
 
 void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
@@ -62,6 +66,10 @@ void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
   table.require(table.get<std::string>("model"), "model", model_names("\""));
   table.read({all.front()});
   read_model(table, names, keys.model, event.step);
+  if (event.under_hand) {
+    const std::string refused = why_not_under_hand(event.step);
+    if (!refused.empty()) table.fail("under_hand", refused, "linear equilibria of voxels");
+  }
   if (!event.step.fem || (!event.step.fem->modes && !event.step.fem->motion)) return;
   table.fail("fem", "modes or a motion", "an equilibrium; these are a `step`");
 }
@@ -138,6 +146,12 @@ void keep_keys(Value keys, LiveEvent& event) {
 
 }  // namespace
 
+std::string why_not_under_hand(const Step& step) {
+  if (!step.fem || step.fem->tets) return "the model " + model_of(step).name;
+  if (step.fem->halvings > 0) return "smaller elements";
+  return why_no_sum(step.fem->params);
+}
+
 const Value& keys_of(const LiveEvent& event) {
   const Step& step = event.step;
   switch (event.kind) {
@@ -192,6 +206,8 @@ Fields fields(LiveEvent& event) {
           .at_least(0),
       Field("no_relax", event.no_relax, "Of release: even where the material asks for it"),
       Field("limits", event.limits, {"box", "ball", "tighten"}, "Of limits: those of later drags"),
+      Field("under_hand", event.under_hand,
+            "Of model: finite elements follow the hand, and a stroke is one step of them"),
   };
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "lib/session/step.h"
 #include "volumes/base/table.h"
@@ -51,6 +52,8 @@ struct LiveEvent {
   bool restore = false, no_relax = false;
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
   Limits limits = Limits::box;
+  bool under_hand = false;        // of model: it moves what is dragged, live
+  std::vector<Vec3d> directions;  // of grab: shifts in mm whose responses are found for that
   /// Its keys are those of a [[step]]; of grab and push its one handle, which does not move.
   Step step;
   Value view;  // of camera, look and clip: the keys of that part of a view
@@ -61,6 +64,8 @@ Fields fields(LiveEvent& event);
 /// The keys of an event that are not its own fields, as a journal has them.
 const Value& keys_of(const LiveEvent& event);
 const char* name_of(EventKind kind);
+/// Says why the model of the step cannot be under a hand; empty where it can be.
+std::string why_not_under_hand(const Step& step);
 
 /// Reads an entry of [[event]]. Throws InputError as Table does.
 LiveEvent read_event(Table& table, const LabelNames& names);

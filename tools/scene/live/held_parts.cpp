@@ -1,5 +1,4 @@
-// Parts that the steps of a live session hold and fix, one by one, as people let go of them.
-#include "tools/scene/live/live_session.h"
+#include "tools/scene/live/held_parts.h"
 
 namespace supple::tools {
 
@@ -52,12 +51,11 @@ Step step_that_keeps(const HeldParts& parts) {
 
 }  // namespace
 
-/// Drags of one stroke are one handle.
-HeldParts LiveSession::held() const {
+HeldParts held_parts(const std::vector<DoneStep>& done, bool has_others) {
   HeldParts parts;
-  parts.has_others = m_is_state_anchored;
+  parts.has_others = has_others;
   int last_stroke = -1;
-  for (const DoneStep& step : m_history.done) {
+  for (const DoneStep& step : done) {
     const bool is_same_drag = step.kind == EventKind::drag && step.stroke == last_stroke;
     last_stroke = step.stroke;
     if (!is_same_drag) add_parts(step.step, parts);
@@ -65,12 +63,10 @@ HeldParts LiveSession::held() const {
   return parts;
 }
 
-/// A session lets go of everything; what stays is held and fixed again in the same step.
-void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* progress) {
+Step step_without(const LiveEvent& event, HeldParts parts) {
   const bool is_handle = event.handle > 0;
   const char* const field = is_handle ? "handle" : "anchor";
   const int number = is_handle ? event.handle : event.anchor;
-  HeldParts parts = held();
   const std::size_t count = is_handle ? parts.handles.size() : parts.anchors.size();
   if (std::size_t(number) > count) {
     throw InputError({event.place, field, std::to_string(number),
@@ -80,7 +76,6 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
     throw InputError({event.place, field, "fixed labels, points or anchors of a state beside it",
                       "all, which lets go of everything"});
   }
-  if (settles) settle_drags(progress);
   if (is_handle) {
     parts.handles.erase(parts.handles.begin() + number - 1);
   } else {
@@ -88,7 +83,7 @@ void LiveSession::let_go_of_one(const LiveEvent& event, bool settles, Progress* 
   }
   Step step = step_that_keeps(parts);
   step.place = event.place;
-  run(event.kind, step, progress);
+  return step;
 }
 
 }  // namespace supple::tools

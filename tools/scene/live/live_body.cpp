@@ -87,13 +87,14 @@ std::vector<std::int32_t> LiveBody::scale(const std::vector<std::int32_t>& chang
   return bricks;
 }
 
-bool LiveBody::follow() {
+bool LiveBody::follow(const std::array<BrickValues, 3>* shape) {
   const Body& body = m_session.body();
   if (!(body.elements == m_state.elements)) {
     open(m_interpolation);
     return true;
   }
-  const std::vector<std::int32_t> changed = scale(m_moved->update(body.q));
+  const std::vector<std::int32_t> changed =
+      scale(m_moved->update(shape != nullptr ? *shape : body.q));
   m_for_forward.insert(changed.begin(), changed.end());
   m_for_inverse.insert(changed.begin(), changed.end());
   const LinkCuts& cuts = m_session.cuts();

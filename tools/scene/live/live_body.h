@@ -4,6 +4,7 @@
 // Cost: of the bricks that have changed since.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <set>
@@ -30,7 +31,8 @@ class LiveBody {
   /// Number of times that it was opened: each time it has another renderer.
   int opened_count() const { return m_opened_count; }
   /// Takes over what the session has done since, and the amount; false where that is nothing.
-  bool follow();
+  /// `shape`: offsets that are shown instead of the body's; null: none.
+  bool follow(const std::array<BrickValues, 3>* shape = nullptr);
   /// Shows the body with its displacement times this from the next follow() on: a picture between
   /// rest and what it is, or beyond. The session does not know of it.
   void set_amount(double amount) { m_next_amount = amount; }

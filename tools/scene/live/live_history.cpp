@@ -1,6 +1,9 @@
 // The part of a live session that takes steps and looks back, makes them again, and takes out one
 // of the cuts.
+#include <utility>
+
 #include "lib/session/step_model.h"
+#include "tools/scene/live/led_stroke.h"
 #include "tools/scene/live/live_view.h"
 
 namespace supple::tools {
@@ -54,7 +57,9 @@ void LiveSession::change_view(const LiveEvent& event) {
 
 /// Takes one step back; false where none is left.
 bool LiveSession::take_back() {
+  if (m_led->take_back()) return true;
   if (m_history.done.empty() || !m_session->undo()) return false;
+  m_led->drop_lead();
   m_hand.reached = m_history.done.back().reached_before;
   hand_over(m_history.done, m_history.undone);
   return true;
@@ -63,7 +68,9 @@ bool LiveSession::take_back() {
 void LiveSession::undo(const LiveEvent& event) {
   std::vector<DoneLook>& looks = m_history.looks;
   const std::vector<DoneStep>& done = m_history.done;
-  if (event.looks && !looks.empty() && (done.empty() || done.back().order < looks.back().order)) {
+  int newest = done.empty() ? 0 : done.back().order;
+  if (m_led->moves()) newest = m_led->order();
+  if (event.looks && !looks.empty() && newest < looks.back().order) {
     m_view->set_part(looks.back().kind, looks.back().before);
     return hand_over(looks, m_history.undone_looks);
   }

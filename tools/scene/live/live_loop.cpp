@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "tools/scene/file/view.h"
+#include "tools/scene/live/hand_lead.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/parallel.h"
 
@@ -22,6 +23,8 @@ constexpr auto kRest = 500ms;
 /// Pause without events before a picture settles while something is grabbed: it may take an
 /// inverse, and the hand would wait for that.
 constexpr auto kStill = 150ms;
+/// Pause between looks for a better level of what is under the hand.
+constexpr auto kLook = 10ms;
 /// Part of the budget that a picture has in any case: it is late rather than blurred where solving
 /// took long.
 constexpr double kLeastOfPicture = 0.5;
@@ -106,15 +109,20 @@ void LiveLoop::run(EventMailbox& mailbox) {
     poll(&m_listener);
     const bool rests = m_gave_way && is_soon_after(kRest, mailbox);
     const bool moves = m_live.hand().grab && is_soon_after(kStill, mailbox);
-    const bool may_go_on = m_live.has_more() && !rests;
+    const HandLead* const lead = m_live.lead();
+    const bool is_led = lead != nullptr ? lead->is_changing() : m_shows_lead;
+    const bool finds = lead != nullptr && lead->is_finding() && !mailbox.is_closed();
+    const bool may_go_on = m_live.has_more() && !rests && !finds;
     const bool may_refine = !m_picture.settled() && !moves;
     const bool has_turn = may_go_on && m_looked && !mailbox.moves_wait();
-    const bool waits = !m_has_work && !may_go_on && !may_refine;
-    const bool is_idle = !m_live.has_more() && m_picture.settled() && !m_watcher.has_later_work();
+    const bool waits = !m_has_work && !may_go_on && !may_refine && !is_led;
+    const bool is_idle =
+        !m_live.has_more() && !finds && m_picture.settled() && !m_watcher.has_later_work();
     std::optional<PostedEvent> posted;
     if (!has_turn) {
-      posted = waits && !is_idle ? mailbox.take_until(m_last_event + (moves ? kStill : kRest))
-                                 : mailbox.take(waits);
+      auto until = m_last_event + (moves ? kStill : kRest);
+      if (finds) until = Clock::now() + kLook;
+      posted = waits && !is_idle ? mailbox.take_until(until) : mailbox.take(waits);
     }
     if (posted) {
       m_looked = posted->kind == TaskKind::looks;
@@ -123,6 +131,8 @@ void LiveLoop::run(EventMailbox& mailbox) {
     } else if (may_go_on && (has_turn || !m_has_work)) {
       m_looked = false;
       m_gave_way = !go_on(&mailbox);
+    } else if (is_led) {
+      draw(Stopwatch());
     } else if (m_has_work) {
       m_has_work = m_watcher.work();
     } else if (may_refine) {
@@ -220,10 +230,16 @@ void LiveLoop::go_on_in_slice(EventMailbox* mailbox) {
   m_live.go_on(&progress);
 }
 
+bool LiveLoop::follow() {
+  HandLead* const lead = m_live.lead();
+  m_shows_lead = lead != nullptr;
+  return m_picture.follow(m_shows_lead ? lead->shape() : nullptr);
+}
+
 /// Draws nothing where nothing has changed. Time in a slice is not at the picture's expense.
 void LiveLoop::draw(const Stopwatch& since_event) {
   const Stopwatch preparing;
-  if (!(m_is_moving ? m_picture.follow_view() : m_picture.follow())) return;
+  if (!(m_is_moving ? m_picture.follow_view() : follow())) return;
   const double budget = m_frame.budget_ms;
   const Stopwatch& since = m_is_moving ? preparing : since_event;
   const auto left = [&] {

@@ -90,6 +90,7 @@ class LiveLoop {
   void do_posted(const PostedEvent& posted);
   void look_meanwhile(EventMailbox& mailbox, bool all);
   bool is_soon_after(Clock::duration pause, const EventMailbox& mailbox) const;
+  bool follow();
   void draw(const Stopwatch& since_event);
 
   LiveSession& m_live;
@@ -102,6 +103,7 @@ class LiveLoop {
   bool m_has_work = true, m_leaves = false;
   bool m_gave_way = false;       // the slice that is next
   bool m_is_moving = false;      // within a slice
+  bool m_shows_lead = false;     // what is under the hand, not the body
   bool m_looked = false;         // last, and not moved anything
   std::exception_ptr m_failure;  // of what was answered within a slice
   Clock::time_point m_last_event;

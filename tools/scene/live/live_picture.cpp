@@ -215,9 +215,9 @@ void LivePicture::set_amount(double amount) {
   m_impl->body.set_amount(amount);
 }
 
-bool LivePicture::follow() {
+bool LivePicture::follow(const std::array<BrickValues, 3>* shape) {
   const int opened_count = m_impl->body.opened_count();
-  if (m_impl->body.follow()) m_impl->is_new = true;
+  if (m_impl->body.follow(shape)) m_impl->is_new = true;
   if (m_impl->body.opened_count() != opened_count) m_impl->drop_pictures();
   return follow_view();
 }

@@ -5,6 +5,7 @@
 // bit for bit, in passes between which events may come.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -46,8 +47,9 @@ class LivePicture {
   void paint_with(Painter painter);
   /// Shows the body with its displacement times this from the next follow() on.
   void set_amount(double amount);
-  /// Follows the body, which may have moved; true if it has, or the view is another.
-  bool follow();
+  /// Follows the body, which may have moved; true if it has, or the view is another. `shape`:
+  /// LiveBody::follow().
+  bool follow(const std::array<BrickValues, 3>* shape = nullptr);
   /// Follows the view while the body is being moved: it is seen as it was followed last.
   bool follow_view();
 

@@ -4,6 +4,8 @@
 #include <filesystem>
 
 #include "lib/session/step_model.h"
+#include "tools/scene/live/held_parts.h"
+#include "tools/scene/live/led_stroke.h"
 #include "tools/scene/live/live_view.h"
 #include "tools/scene/live/model_price.h"
 #include "tools/scene/live/piece_in_hand.h"
@@ -76,6 +78,7 @@ LiveSession::LiveSession(const Table& root, Progress* progress)
   const SessionOptions options{m_scene->material, m_scene->labels_path, m_scene->read, true};
   require_memory_to_open(*m_scene, progress);
   m_session = std::make_unique<Session>(m_scene->volume_path, options, progress);
+  m_led = std::make_unique<LedStroke>(*m_session, m_history, m_hand);
   add_bodies(m_scene->bodies, *m_session);
   if (m_session->geometry().dims().z == 1) {
     throw InputError({m_scene->volume_path, "", "one slice", "a volume of several slices"});
@@ -102,7 +105,14 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
     change_view(event);
     return;
   }
-  stop();
+  m_pending = 0;
+  m_is_unsettled = false;
+  const bool is_of_stroke = event.kind == EventKind::drag || event.kind == EventKind::undo ||
+                            (event.kind == EventKind::release && event.cut == 0);
+  if (!is_of_stroke) {
+    m_led->finish(progress);
+    m_led->drop_lead();
+  }
   switch (event.kind) {
     case EventKind::grab:
     case EventKind::push: {
@@ -110,8 +120,15 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       asked.drags.front().placed->by = Vec3d(0);
       check_places(asked, m_session->geometry());
       m_session->check(asked);
+      if (is_under_hand() && (event.kind == EventKind::push || event.joint_mm > 0)) {
+        const bool pushes = event.kind == EventKind::push;
+        throw InputError({event.place, pushes ? "push" : "joint",
+                          pushes ? "a handle that only pushes" : "a joint around a piece",
+                          "a grab without it: finite elements are under the hand"});
+      }
       m_hand = {event, Vec3d(0), {}, PieceInHand::of(asked, *m_session)};
       m_history.hand_stroke = ++m_history.stroke;
+      if (is_under_hand()) m_led->begin(*m_model);
       break;
     }
     case EventKind::drag:
@@ -142,6 +159,7 @@ void LiveSession::act_on(const LiveEvent& event, Progress* progress) {
       run(event.kind, event.step, progress);
   }
   m_journal->add(event);
+  if (!m_hand.grab) m_led->make_solid(is_under_hand() ? &*m_model : nullptr);
 }
 
 /// Drags from where the handle has got to, so that one that an anchor stopped follows at once when
@@ -153,6 +171,13 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   const Vec3d by = event.to - m_hand.reached;
   const bool begins = m_history.done.empty() || m_history.done.back().kind != EventKind::drag ||
                       m_history.done.back().stroke != m_history.hand_stroke;
+  if (is_under_hand()) {
+    if (event.turn != Vec3d(0)) {
+      throw InputError({event.place, "turn", "a turn with finite elements under the hand",
+                        "a shift, or another model"});
+    }
+    return m_led->lead_by(event, by, *m_model);
+  }
   Step step;
   step.place = event.place;
   step.drags = m_hand.grab->step.drags;
@@ -206,12 +231,20 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     return m_hand.grab && !m_history.done.empty() &&
            m_history.done.back().stroke == m_history.hand_stroke;
   };
-  const bool was_dragged = is_last_a_drag();
+  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
+  if (event.restore && m_hand.grab) m_led->take_back();
+  if (lets_go) m_led->finish(progress);
+  if (m_led->moves()) {
+    m_led->close();
+  } else {
+    m_led->drop_lead();
+  }
+  const bool was_dragged = is_last_a_drag() && !is_under_hand();
   while (event.restore && is_last_a_drag() && take_back()) {
   }
-  const bool lets_go = event.all || event.handle > 0 || event.anchor > 0;
   const bool is_for_fem = was_dragged && model().waits_for_hands;
-  const bool is_unsettled = !event.restore && (is_for_fem || m_session->has_shifted_pieces());
+  const bool is_unsettled =
+      !event.restore && !is_under_hand() && (is_for_fem || m_session->has_shifted_pieces());
   if (event.all) {
     if (is_unsettled) settle_drags(progress);
     Step step;
@@ -220,7 +253,11 @@ void LiveSession::release(const LiveEvent& event, Progress* progress) {
     step.keys = {{"release", true}};
     run(event.kind, step, progress);
   }
-  if (event.handle > 0 || event.anchor > 0) let_go_of_one(event, is_unsettled, progress);
+  if (event.handle > 0 || event.anchor > 0) {
+    const Step step = step_without(event, held());
+    if (is_unsettled) settle_drags(progress);
+    run(event.kind, step, progress);
+  }
   m_hand.grab.reset();
   const bool relaxes = was_dragged && !event.restore && !lets_go && !event.no_relax &&
                        m_session->material().relaxes && !m_model && m_limits != Limits::ball;
@@ -283,14 +320,25 @@ void LiveSession::relax(const LiveEvent& event, int passes, Progress* progress) 
   m_relaxation->step.keys["relax"]["budget"] = budget;
 }
 
+bool LiveSession::has_more() const {
+  return m_is_unsettled || m_pending > 0 || m_led->is_to_do();
+}
+
 void LiveSession::go_on(Progress* progress) {
+  if (m_led->is_to_do()) return m_led->finish(progress);
   if (m_is_unsettled) return settle_drags(progress);
   if (m_pending > 0) relax(*m_relaxation, m_pending, progress);
 }
 
+/// A stroke that has ended stands in the journal: it is taken back there, too.
 void LiveSession::stop() {
   m_pending = 0;
   m_is_unsettled = false;
+  if (!m_led->is_to_do()) return;
+  take_back();
+  LiveEvent undo;
+  undo.kind = EventKind::undo;
+  m_journal->add(undo);
 }
 
 const SceneView& LiveSession::view() const {
@@ -303,6 +351,14 @@ void LiveSession::begin_with_look(const std::string& preset) {
 
 void LiveSession::record_with(Recorder recorder) {
   m_journal->record_with(std::move(recorder));
+}
+
+HeldParts LiveSession::held() const {
+  return held_parts(m_history.done, m_is_state_anchored);
+}
+
+HandLead* LiveSession::lead() const {
+  return m_led->lead();
 }
 
 Value LiveSession::journal() const {

@@ -1,8 +1,8 @@
 // A session that follows events: each that changes the body becomes a step of it, so that a batch
 // scene of these steps gives the same state, bit for bit, whatever time or threads they took.
 // Free rigid pieces shift while they are dragged along and turn after the release, and finite
-// elements take over then. That, and relaxation in slices, waits while new events come. The view
-// follows, too.
+// elements take over then, or are under the hand (hand_lead.h). That, and relaxation in slices,
+// waits while new events come. The view follows, too.
 #pragma once
 
 #include <functional>
@@ -20,6 +20,8 @@ struct StepModel;  // lib/session/step_model.h
 
 namespace supple::tools {
 
+class HandLead;
+class LedStroke;
 class LiveJournal;
 class LiveView;
 class PieceInHand;
@@ -99,7 +101,7 @@ class LiveSession {
   void carry_out(const LiveEvent& event, Progress* progress = nullptr);
   /// True if drags are still to be settled, by turns of pieces or finite elements, or tissue to
   /// relax; any event but those of the view ends it.
-  bool has_more() const { return m_is_unsettled || m_pending > 0; }
+  bool has_more() const;
   /// True if the first of it settles drags, which may take long.
   bool is_unsettled() const { return m_is_unsettled; }
   /// Does a slice of it. Throws Cancelled: it is still to be done.
@@ -122,6 +124,11 @@ class LiveSession {
 
   const LiveHistory& history() const { return m_history; }
   const LiveHand& hand() const { return m_hand; }
+  /// True if finite elements are under the hand.
+  bool is_under_hand() const { return m_model && m_model->under_hand; }
+  /// These, while something is grabbed and until the stroke is done: what pictures show instead of
+  /// the body; null: they show that.
+  HandLead* lead() const;
   /// Handles and anchors that can be let go of one by one.
   HeldParts held() const;
   Limits limits() const { return m_limits; }
@@ -136,7 +143,6 @@ class LiveSession {
   void act_on(const LiveEvent& event, Progress* progress);
   void drag(const LiveEvent& event, Progress* progress);
   void release(const LiveEvent& event, Progress* progress);
-  void let_go_of_one(const LiveEvent& event, bool settles, Progress* progress);
   void take_out_cut(const LiveEvent& event, Progress* progress);
   void run(EventKind kind, const Step& step, Progress* progress);
   void settle_drags(Progress* progress);
@@ -160,6 +166,7 @@ class LiveSession {
   std::optional<LiveEvent> m_relaxation;
   int m_pending = 0;
   bool m_is_unsettled = false;
+  std::unique_ptr<LedStroke> m_led;
 };
 
 }  // namespace supple::tools

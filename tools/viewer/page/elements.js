@@ -93,3 +93,11 @@ export function bytesText(bytes) {
 export function short(value, digits = 4) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(digits))) : '–';
 }
+
+/// Which finite elements are under the hand, the error that is left and the force at the handle.
+export function leadText({level, done, edge_voxels: edge, error_mm: error, force_n: force}) {
+  if (level < 0) return 'ChainMail, until finite elements are there';
+  const size = edge > 1 ? `finite elements of ${edge} voxels` : 'finite elements';
+  const left = done ? 'solved' : error === undefined ? 'error not known yet' : `${short(error, 2)} mm left`;
+  return `${size}, ${left}, ${short(force, 3)} N`;
+}

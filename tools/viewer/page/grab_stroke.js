@@ -2,7 +2,7 @@
 // of the view, or along one of the patient's axes; a bone turns, too. Esc restores what was, Enter or release keeps.
 
 import {alongAxis} from './camera.js';
-import {short, svg} from './elements.js';
+import {leadText, short, svg} from './elements.js';
 import {PieceTurn} from './piece_turn.js';
 import {stopper} from './stopper.js';
 import {add, length, normalized, times} from './vectors.js';
@@ -80,13 +80,19 @@ export class GrabStroke {
     const kind = this.app.settings.push ? 'push' : 'grab';
     const {soft, joint} = this.app.settings;
     if (this.piece) {
-      this.events.push(this.session.event({kind, rigid_at: this.piece.voxel, ...(joint > 0 ? {joint} : {}), slide: true}));
+      this.events.push(this.session.event({kind, rigid_at: this.piece.voxel, ...(joint > 0 ? {joint} : {}), slide: true, ...this.plane()}));
       return this.tell();
     }
     const place = this.radius > 0 ? {grab_ball: voxel, radius: this.radius} : {grab: voxel};
     // Beside an anchor the handle takes what the anchor does not hold.
-    this.events.push(this.session.event({kind, ...place, ...(soft > 0 ? {soft} : {}), spare_fixed: true, slide: true}));
+    this.events.push(this.session.event({kind, ...place, ...(soft > 0 ? {soft} : {}), spare_fixed: true, slide: true, ...this.plane()}));
     this.tell();
+  }
+  /// The directions in which finite elements are to be ready to follow.
+  plane() {
+    if (!this.session.scene?.under_hand) return {};
+    const round = (mm) => Math.round(mm * 1e4) / 1e4;
+    return {directions: [this.pick.right, this.pick.down].map((way) => times(normalized(way), 10).map(round))};
   }
 
   press(place) {
@@ -192,7 +198,8 @@ export class GrabStroke {
     const axis = this.axis ? ` along ${{'axis-x': 'left–right', 'axis-y': 'anterior–posterior', 'axis-z': 'superior–inferior'}[this.axis]}` : '';
     const way = this.axis && this.amount() ? ` to the ${kWays[this.axis][this.amount() < 0 ? 1 : 0]}` : axis;
     const led = this.typed ? `${this.typed}▏mm${way}${isKnown ? ', ' + far : ''}` : far + axis;
-    this.app.say(`Grabbed ${this.pick.voxel.join(', ')}: ${led}; handle ${this.radius} mm. ` +
+    const lead = scene?.lead ? `; ${leadText(scene.lead)}` : '';
+    this.app.say(`Grabbed ${this.pick.voxel.join(', ')}: ${led}${lead}; handle ${this.radius} mm. ` +
                  'Enter keeps, Esc restores, X Y Z and a number constrain, wheel: size');
     this.view.refresh();
   }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/fem/response/response_set.h"
+#include "lib/fem/voxel/level_solver.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/parallel.h"
 
@@ -210,4 +211,45 @@ TEST(PropertyFemResponses, SumsHaveTheSameBitsOnAnyNumberOfThreads) {
     results.push_back(std::move(all));
   }
   for (const std::vector<double>& result : results) EXPECT_TRUE(result == results.front());
+}
+
+TEST(PropertyFemResponses, LevelsAfterEachOtherHaveTheBitsOfEachAlone) {
+  // A thin plate, which the finest level alone knows of, on a block.
+  const Body body = fem_body(20, [](const Vec3i& v) {
+    if (v.z < 12) return 100;
+    return v.x == 9 ? 200 : -1;
+  });
+  ElasticTable elastic = even_elastic();
+  elastic.young_kpa[200] = 300;
+  const FemModel model(body, elastic);
+  FemLoads loads;
+  loads.held.push_back(held(elements_in(body, {Vec3i(9, 4, 18), Vec3i(9, 15, 19)}),
+                            [](const Vec3d&) { return Vec3d(2, 0, 1); }));
+  loads.held.push_back(held(elements_in(body, {Vec3i(0, 0, 0), Vec3i(19, 19, 1)}), nullptr));
+  FemReport report;
+  const NodalLoads moved = model.checked_loads(loads, {}, nullptr, report);
+  NodalLoads still = moved;
+  std::fill(still.u_mm.begin(), still.u_mm.end(), 0.0);
+  LevelSolver solver(model);
+  const int deepest = int(model.levels().meshes.size()) - 1;
+  EXPECT_GE(deepest, 2);
+  for (int doublings = deepest; doublings >= 0; --doublings) {
+    FemParams params;
+    params.doublings = doublings;
+    params.tolerance = 1e-4;
+    std::vector<NodalLoads> both = {still, moved};
+    const std::vector<NodalSolution> one_after_the_other =
+        solver.solve(both, params, false, nullptr);
+    const NodalSolution alone = model.solve_beside({moved}, params).front();
+    EXPECT_GT(alone.iterations, 0);
+    EXPECT_EQ(one_after_the_other[1].iterations, alone.iterations) << doublings;
+    EXPECT_TRUE(one_after_the_other[1].u_mm == alone.u_mm) << doublings;
+    EXPECT_TRUE(one_after_the_other[0].u_mm == still.u_mm);
+  }
+  // Few iterations are a solution only where that is allowed.
+  FemParams few;
+  few.max_iterations = 1;
+  std::vector<NodalLoads> rough = {moved}, strict = {moved};
+  EXPECT_EQ(solver.solve(rough, few, true, nullptr).front().iterations, 1);
+  EXPECT_THROW(solver.solve(strict, few, false, nullptr), NotConverged);
 }

@@ -1,6 +1,6 @@
 // How the body moves: tools, model, limits, relaxation, and what was done, as lists that can be edited.
 
-import {button, checkbox, element, field, number, section, select, show} from '../elements.js';
+import {button, checkbox, element, field, leadText, number, section, select, show} from '../elements.js';
 import {iconButton} from '../icons.js';
 import {OptionsForm} from './options_form.js';
 
@@ -103,11 +103,15 @@ export class DeformPanel {
     this.modelForms.append(this.modelHomes[name]);
     if (this.session.scene) this.model.value = this.session.scene.model ?? 'ecm';
   }
-  chooseModel(model) {
+  chooseModel(choice) {
+    const model = choice.split('/')[0];
+    const isUnderHand = choice !== model || (model === 'fem' && this.model.value === 'fem/hand');
     if (this.models[model] && !this.models[model].isValid()) return;
     const shown = (name) => { const value = this.models[model]?.value(name); return value ? {[name]: value} : {}; };
     const own = model === 'ecm' ? {} : {[model]: {...shown('accuracy'), ...shown('beyond_limits'), ...this.models[model]?.values()}};
-    this.session.event({kind: 'model', model, ...own});
+    // ChainMail, which is seen first, keeps what finite elements left beyond its limits.
+    if (isUnderHand) own[model] = {beyond_limits: 'keep', ...this.models[model]?.values(), accuracy: 'exact'};
+    this.session.event({kind: 'model', model, ...(isUnderHand ? {under_hand: true} : {}), ...own});
   }
   startRelaxing() {
     if (!this.session.scene || (this.relax && !this.relax.isValid())) return;
@@ -124,12 +128,12 @@ export class DeformPanel {
   refresh(scene) {
     for (const input of [this.model, this.limits, this.relaxButton]) input.disabled = !scene;
     if (scene) {
-      this.model.value = scene.model ?? 'ecm';
+      this.model.value = scene.under_hand ? `${scene.model}/hand` : scene.model ?? 'ecm';
       for (const [model, home] of Object.entries(this.modelHomes)) home.hidden = scene.model !== model;
       this.limits.value = scene.limits ?? 'box';
     }
     this.relaxStop.hidden = !scene?.settling;
-    this.relaxState.textContent = !scene ? '' : scene.relaxing ? `Relaxing: ${scene.relaxing} passes to do at most` : scene.settling ? 'The drag settles'
+    this.relaxState.textContent = !scene ? '' : scene.lead ? leadText(scene.lead) : scene.relaxing ? `Relaxing: ${scene.relaxing} passes to do at most` : scene.settling ? 'The drag settles'
       : scene.relaxes ? 'The material relaxes every drag after its release' : '';
     this.fill('handles', scene?.handles ?? [], (handle, i) => [
       button(`${i + 1}. ${selectionText(handle)}${handle.is_place ? ': a place in the opened state, which nothing holds now' : ''}`, () => this.app.slices.setCursor(this.session.geometry.indexOfLps(handle.lps)),

@@ -1,4 +1,4 @@
-#include "lib/session/piece_moments.h"
+#include "lib/session/hand/piece_moments.h"
 
 #include <algorithm>
 #include <cmath>

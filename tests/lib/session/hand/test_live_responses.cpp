@@ -6,8 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "lib/material/material.h"
-#include "lib/session/live_responses.h"
+#include "lib/session/hand/live_responses.h"
+#include "lib/session/hand/solid_ahead.h"
+#include "lib/session/kept_voxels.h"
 #include "lib/session/session.h"
+#include "lib/session/session_body.h"
 #include "tests/support/program.h"
 
 using namespace supple;
@@ -187,6 +190,38 @@ TEST_F(UnitLiveResponses, AHandIsFollowedLevelByLevelAndTheStepAtItsEndIsASum) {
   EXPECT_TRUE(std::equal(some.begin(), some.end(), u.begin() + 100));
 }
 
+TEST_F(UnitLiveResponses, ASolidThatIsMadeAheadIsTakenAndChangesNoBits) {
+  Session session(m_folder / "block.nhdr", m_options);
+  Step grab = moved({0, 0, 0}), rest;
+  rest.fix = std::exchange(grab.fix, {});
+  session.step(rest);
+  SessionBody& in = session.held_body();
+  SolidAhead ahead(in, *grab.fem);
+  EXPECT_EQ(ahead.voxels(), nullptr);
+  ahead.run(nullptr);
+  LiveResponses own(in, grab, {{{10, 0, 0}, {}}}), with(in, grab, {{{10, 0, 0}, {}}});
+  own.run(nullptr);
+  with.run(nullptr, ahead.voxels());
+  EXPECT_EQ(with.found()->voxels, ahead.voxels());
+  const DragPose target{{2, 0, 0}, {}};
+  const auto at = [&](const LiveResponses& of) {
+    std::vector<Vec3f> u(of.elements());
+    of.displacements(of.pose(target), 0, u.size(), u.data());
+    return u;
+  };
+  EXPECT_EQ(at(own), at(with));
+  // Of another body it is not taken.
+  EXPECT_TRUE(ahead.is_of(in, *grab.fem));
+  Step stiffer;
+  stiffer.material = *m_options.material;
+  stiffer.material->stiffness->keys[0].second = 7;
+  session.step(stiffer);
+  EXPECT_FALSE(ahead.is_of(in, *grab.fem));
+  LiveResponses after(in, grab, {{{10, 0, 0}, {}}});
+  after.run(nullptr, ahead.voxels());
+  EXPECT_NE(after.found()->voxels, ahead.voxels());
+}
+
 TEST_F(UnitLiveResponses, LevelsComeNearerToTheLastAndACancelledRunKeepsWhatItHas) {
   Session session(m_folder / "block.nhdr", m_options);
   Step grab = moved({0, 0, 0});
@@ -225,4 +260,19 @@ TEST_F(UnitLiveResponses, LevelsComeNearerToTheLastAndACancelledRunKeepsWhatItHa
     EXPECT_LE(sum, before) << level;
     before = sum;
   }
+  // What is told of a level is above its error, where the body moves.
+  LiveResponses some(session.held_body(), grab, {{{10, 0, 0}, {}}});
+  stop.live = &some;
+  EXPECT_THROW(some.run(&stop), Cancelled);
+  const LivePose told = some.pose(target);
+  const std::vector<Vec3f> u = at(some, told);
+  std::vector<float> errors;
+  float largest = 0;
+  for (const Vec3f& there : best) largest = std::max(largest, there.length());
+  for (std::size_t n = 0; n < u.size(); ++n) {
+    if (best[n].length() >= 0.05F * largest) errors.push_back((u[n] - best[n]).length());
+  }
+  std::sort(errors.begin(), errors.end());
+  EXPECT_GE(told.error_mm, double(errors[errors.size() * 95 / 100]));
+  EXPECT_LE(told.error_mm, double(largest));
 }

@@ -6,8 +6,9 @@
 // of the hand makes of the best level so far, and displacements() of it the elements that a picture
 // needs.
 //
-// Levels are elements of 8, 4, 2 and 1 voxels, each started from the one before, the last at first
-// roughly. Then found() has the solutions of the last level, for the step that the hand ends with.
+// Levels are elements of 8 voxels, then of 1 after 2, 5, 10 and 21 iterations and at the end, each
+// started from the one before. Then found() has the solutions of the last level, for the step that
+// the hand ends with.
 // A direction is a target of the handle, such as a shift along each axis of a view, or turns by 90
 // and 180 degrees about the axis of a ring: two span all targets of their plane or ring.
 //
@@ -21,8 +22,8 @@
 #include <mutex>
 #include <vector>
 
+#include "lib/session/hand/piece_moments.h"
 #include "lib/session/kept_voxels.h"
-#include "lib/session/piece_moments.h"
 #include "lib/session/session_body.h"
 
 namespace supple {
@@ -31,8 +32,9 @@ namespace supple {
 struct LivePose {
   int level = -1;      // of those that are there, from 0; -1: none is yet
   int doublings = -1;  // elements of 2^doublings voxels
-  /// 95th percentile of the displacement's error beside elements of one voxel, estimated from the
-  /// change since the level before; infinite at the first level, 0 at the last.
+  /// 95th percentile of the displacement's error beside elements of one voxel, where a direction
+  /// moves the body by a twentieth of its largest displacement at least; estimated from the change
+  /// since the level before, infinite at the first level, 0 at the last.
   double error_mm = std::numeric_limits<double>::infinity();
   double beyond_mm = 0;       // of the handle's motion, in the mean, that no direction has
   std::vector<double> parts;  // one per direction
@@ -46,8 +48,9 @@ class LiveResponses {
   LiveResponses(const SessionBody& in, const Step& grab, std::vector<DragPose> directions);
   ~LiveResponses();
 
-  /// Finds all levels. Throws NotConverged, Cancelled: what is there stays.
-  void run(Progress* progress);
+  /// Finds all levels. `ahead`: the solid, where somebody has made it; null: not. Throws
+  /// NotConverged, Cancelled: what is there stays.
+  void run(Progress* progress, std::shared_ptr<KeptVoxels> ahead = nullptr);
 
   std::size_t elements() const { return std::size_t(m_body.elements.active_count()); }
   /// The number of levels that are there, and whether the last one is.

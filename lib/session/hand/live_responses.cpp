@@ -1,12 +1,14 @@
-#include "lib/session/live_responses.h"
+#include "lib/session/hand/live_responses.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "lib/fem/fem_solution.h"
 #include "lib/fem/response/response_field.h"
+#include "lib/fem/voxel/level_solver.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/handles/handle_motion.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/units.h"
 
 namespace supple {
@@ -16,11 +18,17 @@ namespace {
 /// Elements whose changes are looked at: every one of so many.
 constexpr std::size_t kSample = 61;
 constexpr double kSampled = 0.95;
-/// Tolerance of all levels but the last, and of the last at first.
-constexpr double kRough = 1e-2;
-/// Levels: elements of 2^n voxels, and whether they are solved as the step asks.
-constexpr std::pair<int, bool> kLevels[] = {
-    {3, false}, {2, false}, {1, false}, {0, false}, {0, true}};
+/// Part of the largest displacement from which on an element counts as moved.
+constexpr double kMoved = 0.05;
+/// Tolerance of all levels but the last.
+constexpr double kRough = 1e-1;
+/// Elements of 2^doublings voxels, solved by so many iterations at most; 0: as the step asks.
+/// Voxels need no more time than elements of twice their size to come as near, since their cycle
+/// knows thin parts.
+struct LevelKind {
+  int doublings, iterations;
+};
+constexpr LevelKind kLevels[] = {{3, 100}, {0, 2}, {0, 3}, {0, 5}, {0, 11}, {0, 0}};
 /// Directions that are shorter than this part of their target are no directions of their own.
 constexpr double kLeastPart = 1e-6;
 /// Places are rounded to 2^-16 voxel: what a direction asks less than this is no motion.
@@ -142,28 +150,38 @@ LiveResponses::Affine LiveResponses::affine_of(const DragPose& pose) const {
 /// The loads of the place where the handle is, with all forces, then what directions add to them.
 std::vector<NodalLoads> LiveResponses::loads(const VoxelFemModel& model, const FemTask& task,
                                              Progress* progress) {
-  VoxelFemModel own(task.held, model);
-  own.set_loads(loads_of(m_step, task, m_voxels->solid));
-  std::vector<NodalLoads> all;
-  for (const std::vector<Handle>& handles : m_handles) {
-    FemReport report;
-    all.push_back(own.solid().checked_loads(own.loads_of(handles, progress), m_step.params,
-                                            progress, report));
-    if (all.size() == 1) {
-      m_is_handle.clear();
-      for (const FemGrip& grip : own.grips()) {
-        m_is_handle.push_back(grip.kind == GripKind::handle || grip.kind == GripKind::edge);
-      }
-      continue;
+  const FemModel& solid = model.solid();
+  const FemLoads acting = loads_of(m_step, task, m_voxels->solid);
+  std::vector<NodalLoads> all(m_handles.size());
+  parallel_for(all.size(), [&](std::size_t n) {
+    poll(progress);
+    VoxelFemModel own(task.held, model);
+    if (n == 0) own.set_loads(acting);
+    const FemLoads& loads = own.loads_of(m_handles[n], progress);
+    if (n > 0) {
+      all[n] = nodal_loads(solid.mesh(), solid.material(), loads);
+      all[n].within_held_mn = forces_within_held(solid.mesh(), solid.material(), all[n]);
+      return;
     }
-    NodalLoads& direction = all.back();
-    const NodalLoads& base = all.front();
-    if (direction.held != base.held)
+    FemReport report;
+    all[n] = solid.checked_loads(loads, m_step.params, progress, report);
+    m_is_handle.clear();
+    for (const FemGrip& grip : own.grips()) {
+      m_is_handle.push_back(grip.kind == GripKind::handle || grip.kind == GripKind::edge);
+    }
+  });
+  const NodalLoads& base = all.front();
+  HeldBits held(base.held.size(), 0);  // without loose islands
+  for (const auto& nodes : base.nodes_of) {
+    for (const NodeIndex node : nodes) held[std::size_t(node)] = kAllHeld;
+  }
+  for (std::size_t d = 1; d < all.size(); ++d) {
+    NodalLoads& direction = all[d];
+    if (direction.held != held)
       throw InputError({"", "responses", "other elements that a direction holds",
                         "those of the handle where it is"});
+    direction.held = base.held;
     for (std::size_t n = 0; n < base.u_mm.size(); ++n) direction.u_mm[n] -= base.u_mm[n];
-    direction.force_mn.clear();
-    direction.swelling_kpa.clear();
     if (!direction.within_held_mn.empty() || !base.within_held_mn.empty()) {
       direction.within_held_mn.resize(base.u_mm.size(), 0.0);
       for (std::size_t n = 0; n < base.within_held_mn.size(); ++n) {
@@ -195,13 +213,13 @@ std::shared_ptr<LiveResponses::Level> LiveResponses::level_of(
     }
     if (before != nullptr) {
       level->change_mm.push_back(
-          percentile(level->field.changes(n, before->field, kSample), kSampled));
+          percentile(level->field.changes(n, before->field, kSample, kMoved), kSampled));
     }
   }
   return level;
 }
 
-void LiveResponses::run(Progress* progress) {
+void LiveResponses::run(Progress* progress, std::shared_ptr<KeptVoxels> ahead) {
   std::shared_ptr<const FemResponses> none;
   const FemTask task{{m_body, m_anchors, m_holds},
                      m_cuts,
@@ -214,32 +232,38 @@ void LiveResponses::run(Progress* progress) {
                      none,
                      {}};
   ResponseKey key = solid_key(m_step, task);
-  if (!m_voxels || !m_voxels->key.change_to(key).empty()) {
+  const auto is_of_key = [&](const std::shared_ptr<KeptVoxels>& voxels) {
+    return voxels && voxels->key.change_to(key).empty();
+  };
+  if (!is_of_key(m_voxels)) m_voxels = std::move(ahead);
+  if (!is_of_key(m_voxels)) {
     m_voxels = std::make_shared<KeptVoxels>(std::move(key), m_step, task, progress);
   }
   const VoxelFemModel& model = m_voxels->model;
   const FemModel& solid = model.solid();
   std::vector<NodalLoads> all = loads(model, task, progress);
   const int deepest = int(solid.levels().meshes.size()) - 1;
+  LevelSolver solver(solid);
   std::shared_ptr<const Level> before;
-  for (const auto& [doublings, is_last] : kLevels) {
+  for (const auto& [doublings, iterations] : kLevels) {
     if (doublings > deepest) continue;
+    const bool is_last = iterations == 0;
     FemParams params = m_step.params;
     params.doublings = doublings;
-    if (!is_last) {
+    if (doublings > 0) {
       params.tolerance = std::max(params.tolerance, kRough);
-      params.reaction_tolerance = std::max(params.reaction_tolerance, kRough);
+      params.reaction_tolerance = std::numeric_limits<double>::infinity();
     }
-    std::vector<NodalSolution> solutions = solid.solve_beside(all, params, progress);
+    if (!is_last) params.max_iterations = std::min(params.max_iterations, iterations);
+    std::vector<NodalSolution> solutions = solver.solve(all, params, !is_last, progress);
     std::shared_ptr<Level> found = level_of(model, all, solutions, before.get());
     found->doublings = doublings;
     found->is_last = is_last;
     before = found;
-    if (is_last) {
-      keep(all, std::move(solutions));
-    } else {
-      for (std::size_t n = 0; n < all.size(); ++n) all[n].u_mm = std::move(solutions[n].u_mm);
+    for (std::size_t n = 0; n < all.size(); ++n) {
+      all[n].u_mm = is_last ? solutions[n].u_mm : std::move(solutions[n].u_mm);
     }
+    if (is_last) keep(all, std::move(solutions));
     publish(std::move(found));
   }
 }
