@@ -222,8 +222,9 @@ class Session:
     def _move_points(self, points: np.ndarray, back: bool, progress: Progress) -> tuple:
         return self._held.move_points(points, back, progress)
 
-    def _move_labels(self, path: str, back: bool, grid: Grid, progress: Progress) -> np.ndarray:
-        return self._held.move_labels(path, back, grid, progress)
+    def _move_labels(self, labels: _supple.StoredLabels, back: bool, grid: Grid,
+                     progress: Progress) -> np.ndarray:
+        return self._held.move_labels(labels, back, grid, progress)
 
     def _measure(self, maps: bool, progress: Progress) -> tuple:
         return self._held.measure(maps, progress)

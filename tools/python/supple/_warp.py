@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, List, NamedTuple, Optional, Union
+from typing import Any, List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
@@ -93,6 +93,27 @@ def invert(warp: Any, *, direction: Optional[str] = None, void: str = "extend", 
     return Warp(array, on, direction=direction or warp.direction, certificate=certificate)
 
 
+def fit(from_points: Any, to_points: Any, grid: Any, *, direction: str = "resample",
+        labels: Any = None, rigid: Sequence[int] = (), progress: Progress = None,
+        **settings: Any) -> Warp:
+    """Warp through landmarks, `supple fit` (docs/landmarks.md): a thin-plate spline.
+
+    from_points, to_points: (n, 3) in LPS mm, pair by pair. grid: Grid, or a volume that has it.
+    direction: "resample", what is now at `to` came from `from`, or "material". labels, rigid:
+    volume and numbers of its labels that move as rigid bodies. settings: stiffness in mm, no_folds,
+    rigid_width in mm. The result's `report` has misfits in mm and folded cells. Raises InputError
+    for points that coincide, or that are not pairs.
+    """
+    keys = {"direction": direction, **settings}
+    if labels is not None:
+        keys["labels"] = os.fspath(labels := as_volume(labels))
+    pairs = [np.asarray(points, dtype=np.float64) for points in (from_points, to_points)]
+    array, report = _supple.fit(*pairs, as_grid(grid), keys, list(rigid), progress)
+    warp = Warp(array, as_grid(grid), direction=direction)
+    warp.report = report
+    return warp
+
+
 def compose(*transforms: Any, grid: Any = None, progress: Progress = None) -> Warp:
     """Several warps of resample direction, or paths of transforms, as one; points go through the
     last first, as with ANTs' -t. grid: of the result, by default that of the last with one."""
@@ -134,7 +155,8 @@ def apply(deformation: Any, *, points: Any = None, labels: Any = None, back: boo
         return Points(*body._move_points(at, back, progress))
     source = as_volume(labels)
     on = as_grid(grid) if grid is not None else body.grid
-    return Volume(body._move_labels(os.fspath(source), back, on, progress), on, name="labels")
+    stored = _supple.StoredLabels(os.fspath(source), progress)
+    return Volume(body._move_labels(stored, back, on, progress), on, name="labels")
 
 
 def metrics(deformation: Any, *, maps: bool = True, direction: Optional[str] = None,
@@ -187,8 +209,9 @@ class _WarpBody:
     def _move_points(self, points: np.ndarray, back: bool, progress: Progress) -> tuple:
         return _supple.move_points(*self._vectors(), points, back, progress)
 
-    def _move_labels(self, path: str, back: bool, grid: Grid, progress: Progress) -> np.ndarray:
-        return _supple.warp_labels(*self._vectors(), path, back, grid, progress)
+    def _move_labels(self, labels: _supple.StoredLabels, back: bool, grid: Grid,
+                     progress: Progress) -> np.ndarray:
+        return _supple.warp_labels(*self._vectors(), labels, back, grid, progress)
 
     def _measure(self, maps: bool, progress: Progress) -> tuple:
         return _supple.measure(*self._vectors(), maps, progress)
