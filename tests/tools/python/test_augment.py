@@ -83,10 +83,10 @@ class Augmented(InFolder):
             self.assert_same(sample["image"].array, expected["image"])
         ras = supple.augment.RandomDrag(MATERIAL, frame="ras", names={"labels": "seg"}, **OPTIONS)
         sample = ras({"image": head().transpose()[None], "affine": RAS @ AFFINE,
-                      "seg": labels().transpose().astype(np.float32)[None],
+                      "seg": labels().transpose().astype(np.float16)[None],
                       "points": POINTS * [-1, -1, 1]}, number=2)
         self.assert_same(sample["image"][0].transpose(), expected["image"])
-        self.assertEqual(sample["seg"].dtype, np.float32)
+        self.assertEqual(sample["seg"].dtype, np.float16)
         self.assertTrue(np.array_equal(sample["seg"][0].transpose(), expected["labels"]))
         self.assertTrue(np.allclose(sample["points"] * [-1, -1, 1], expected["points"], atol=1e-9))
 
@@ -95,7 +95,7 @@ class Augmented(InFolder):
         other = {**a_case(), "image": np.where(head() > 100, head() + 3, head())}
         with unittest.mock.patch("supple.augment.Session", wraps=supple.Session) as opened:
             first = move(a_case(), number=1)
-            move(a_case(), 8, 1)
+            self.assertEqual(move(a_case(), 8, 1)["truth"].seed, 8)
             changed = move(other, number=1)
             self.assert_alike(move(a_case(), number=1), first)
             self.assertEqual(opened.call_count, 2)
