@@ -70,7 +70,7 @@ class Volume:
 
     def to_nibabel(self) -> Any:
         """Image of nibabel with data [i, j, k] and RAS affine."""
-        import nibabel
+        import nibabel  # type: ignore[import]
         return nibabel.Nifti1Image(self.array.transpose(2, 1, 0), RAS @ self.affine)
 
     @property
@@ -164,7 +164,7 @@ class _MemoryFile:
         with builtins.open(self.path, "wb") as file:
             file.write(header)
             for plane in array:
-                file.write(np.ascontiguousarray(plane))
+                file.write(np.ascontiguousarray(plane).data)
 
 
 def _memory(size: int) -> Optional[str]:

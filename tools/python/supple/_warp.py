@@ -18,8 +18,9 @@ class Warp:
 
     array: float32 [k, j, i, 3], mm along LPS, read-only. direction: "resample", content at x came
     from x + o(x), or "material", voxel X is now at X + u(X). certificate: dict of the inversion
-    that gave it, or None.
+    that gave it, or None. report: dict of fit(), or None.
     """
+    report: Optional[dict] = None
 
     def __init__(self, array: Any, grid: Grid, *, direction: str,
                  certificate: Optional[dict] = None):
@@ -71,7 +72,7 @@ def read_warp(path: Union[str, os.PathLike], *, direction: Optional[str] = None,
     if recorded is not None and direction not in (None, recorded):
         raise InputError(f"{os.fspath(path)}: direction: found {recorded} in the file, expected "
                          f"{direction}", os.fspath(path), "direction", recorded, str(direction))
-    return Warp(array, own, direction=recorded or direction)
+    return Warp(array, own, direction=str(recorded or direction))
 
 
 def as_warp(thing: Any, direction: Optional[str] = None) -> Warp:
@@ -139,8 +140,9 @@ class Points(NamedTuple):
 
 def apply(deformation: Any, *, points: Any = None, labels: Any = None, back: bool = False,
           grid: Any = None, direction: Optional[str] = None,
-          progress: Progress = None) -> Union[Points, Volume]:
-    """Points or labels follow a Session, a Warp, or the path of a state or warp.
+          progress: Progress = None) -> Any:
+    """Points (returned as Points) or labels (as a Volume) follow a Session, a Warp, or the path of
+    a state or warp.
 
     points: (n, 3) in LPS mm. labels: volume of whole numbers; each voxel takes the nearest label of
     the place that its content came from, so that no new one appears. back: from the deformed place

@@ -25,6 +25,9 @@ from ._warp import Warp
 __all__ = ["RandomDrag", "RandomJointMotion", "RandomMotion"]
 
 
+_NAMES = ("image", "labels", "points", "affine")
+
+
 class _Case:
     """A volume that is open, at rest or at one of its samples."""
 
@@ -53,7 +56,7 @@ class RandomMotion:
                  names: Optional[Dict[str, str]] = None, frame: str = "lps",
                  returns: Sequence[str] = ("warp", "inverse", "truth"), cases: int = 1,
                  **options: Any):
-        self._keys = {"motion": self._motion, **options}
+        self._keys: Dict[str, Any] = {"motion": self._motion, **options}
         _supple.check_augment(self._keys)
         if frame not in ("lps", "ras"):
             raise InputError(f"frame: found {frame!r}, expected 'lps' or 'ras'", field="frame")
@@ -61,8 +64,7 @@ class RandomMotion:
             raise InputError(f"returns: found {tuple(returns)}, expected of 'warp', 'inverse' and "
                              "'truth'", field="returns")
         self._material, self._body, self._is_ras = material, body, frame == "ras"
-        self._names = {name: name for name in ("image", "labels", "points", "affine")}
-        self._names.update(names or {})
+        self._names = dict(zip(_NAMES, _NAMES), **(names or {}))
         self._returns, self._most = tuple(returns), cases
         self._begin()
 
@@ -84,8 +86,9 @@ class RandomMotion:
         `supple augment` writes it, with "point_kinds" as Points has them. Other keys stay. Raises
         InputError for what cannot be read, or in which nothing can move."""
         result = dict(data) if isinstance(data, dict) else {"image": data}
-        image = self._volume(result, "image")
-        labels = self._volume(result, "labels")
+        image, labels = self._volume(result, "image"), self._volume(result, "labels")
+        if image is None:
+            raise InputError(f"{self._names['image']}: found none, expected a volume", field="image")
         keys = self._keys if seed is None else {**self._keys, "seed": seed}
         if number is None:
             number = random.randrange(2 ** 31)
@@ -119,8 +122,6 @@ class RandomMotion:
 
     def _volume(self, data: Dict[str, Any], which: str) -> Optional[Volume]:
         values = data.get(self._names[which])
-        if values is None and which == "image":
-            raise InputError(f"{self._names[which]}: found none, expected a volume", field=which)
         if values is None or isinstance(values, (Volume, str, os.PathLike)):
             return values if values is None else as_volume(values)
         affine = data.get(self._names["affine"], getattr(values, "affine", None))
@@ -145,7 +146,7 @@ class RandomMotion:
         for volume in (image, labels):
             if volume is not None:
                 digest.update(f"{volume.array.dtype} {volume.shape} {volume.affine}".encode())
-                digest.update(np.ascontiguousarray(volume.array))
+                digest.update(np.ascontiguousarray(volume.array).data)
         key = digest.digest()
         with self._lock:
             if key not in self._cases:
