@@ -118,7 +118,11 @@ class Refused(InFolder):
         self.refused(lambda: move({"ct": head(), "affine": AFFINE}), "image")
         self.refused(lambda: move({"image": head()[0], "affine": AFFINE}), "2 dimensions")
         self.refused(lambda: move("/no/head.nrrd"), "/no/head.nrrd")
-        self.refused(lambda: move({"image": head(), "labels": head()[1:], "affine": AFFINE}), "grid")
+        case = {"image": head(), "labels": head()[1:], "affine": AFFINE}
+        self.refused(lambda: move(case), "grid")
+        for number in (-1, 2 ** 31, "1"):
+            self.refused(lambda: move(self.head, number=number), "number", "2147483647")
+        self.refused(lambda: move({"image": self.head, "points": np.zeros((3, 2))}), "(3, 2)")
         self.refused(lambda: supple.augment.RandomJointMotion(MATERIAL)(self.head), "rigid pieces")
         self.assertEqual(move(self.head, number=1)["truth"].sample, 1)  # and goes on
 

@@ -144,7 +144,8 @@ class SameCommands(InFolder):
         to = at + np.sin(at / 7) + [1.0, 0, -0.5]
         for name, points in (("from", at), ("to", to)):
             np.savetxt(self.path(name + ".csv"), points, "%.17g", ",", header="x,y,z", comments="")
-        command = ["fit", "--points", self.path("from.csv"), self.path("to.csv"), "--grid", self.head]
+        command = ["fit", "--grid", self.head, "--points", self.path("from.csv"),
+                   self.path("to.csv")]
         for direction in ("resample", "material"):
             for options, more in (([], {}), (["--stiffness", "2.5"], {"stiffness": 2.5}),
                                   (["--labels", self.labels, "--rigid", "2", "--rigid-width", "4"],
@@ -169,7 +170,8 @@ class SameCommands(InFolder):
         k, j, i = np.indices(head().shape).reshape(3, -1)
         places = (AFFINE @ np.stack([i, j, k, np.ones_like(i)]))[:3].T
         for stiffness in (0.0, 2.5):
-            theirs = RBFInterpolator(at, to - at, kernel="linear", degree=1, smoothing=stiffness)(places)
+            theirs = RBFInterpolator(at, to - at, kernel="linear", degree=1,
+                                     smoothing=stiffness)(places)
             ours = supple.fit(at, to, self.head, direction="material", stiffness=stiffness).array
             self.assertLess(np.abs(ours.reshape(-1, 3) - theirs).max(), 5e-7)  # float32 of 4 mm
             self.assertGreater(np.abs(theirs).max(), 0.5)

@@ -39,11 +39,12 @@ class Types(unittest.TestCase):
 
     def test_stubs_are_as_the_package_is(self):
         # Others than Grid are private; its metaclass is that of pybind11.
-        self.mypy("mypy.stubtest", "supple._supple", "--ignore-missing-stub", "--allowlist", "metaclass")
+        self.mypy("mypy.stubtest", "supple._supple", "--ignore-missing-stub", "--allowlist",
+                  "metaclass")
 
     def test_users_see_them(self):
         told = self.mypy("mypy", "use.py", code=1)
-        for kind in ("Report", "Volume", '"builtins.str"', "Tuple[builtins.int", "dict[builtins.str",
+        for kind in ("Report", "Volume", '"builtins.str"', "Tuple[builtins.int", "dict[builtins.s",
                      '"int"; expected "Optional[str]"', "Found 1 error"):
             self.assertIn(kind, told)
 

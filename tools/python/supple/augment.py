@@ -28,6 +28,11 @@ __all__ = ["RandomDrag", "RandomJointMotion", "RandomMotion"]
 _NAMES = ("image", "labels", "points", "affine")
 
 
+def _is_volume(thing: Any) -> bool:
+    """True for what has its own affine: a Volume, a path or an image of nibabel."""
+    return isinstance(thing, (Volume, str, os.PathLike)) or hasattr(thing, "dataobj")
+
+
 class _Case:
     """A volume that is open, at rest or at one of its samples."""
 
@@ -88,23 +93,30 @@ class RandomMotion:
         result = dict(data) if isinstance(data, dict) else {"image": data}
         image, labels = self._volume(result, "image"), self._volume(result, "labels")
         if image is None:
-            raise InputError(f"{self._names['image']}: found none, expected a volume", field="image")
+            raise InputError(f"{self._names['image']}: found none, expected a volume",
+                             field="image")
         keys = self._keys if seed is None else {**self._keys, "seed": seed}
         if number is None:
             number = random.randrange(2 ** 31)
+        if not isinstance(number, (int, np.integer)) or not 0 <= number < 2 ** 31:
+            raise InputError(f"number: found {number!r}, expected 0 to {2 ** 31 - 1}",
+                             field="number")
+        points, flip = result.get(self._names["points"]), RAS.diagonal()[:3] ** self._is_ras
+        if points is not None and np.shape(points)[1:] != (3,):
+            raise InputError(f"{self._names['points']}: found shape {np.shape(points)}, expected "
+                             "(n, 3) in mm", field="points")
+        points = points if points is None else np.asarray(points, dtype=np.float64)
         case = self._case(image, labels, progress)
         with case.lock:
             held = case.session._held
-            truth = Report(held.sample(keys, number, progress))
+            truth = Report(held.sample(keys, int(number), progress))
             self._put(result, "image", held.resample(image.grid, False, progress))
             if labels is not None:
                 moved = held.move_labels(case.labels, False, image.grid, progress)
                 self._put(result, "labels", moved)
-            points = result.get(self._names["points"])
             if points is not None:
-                flip = RAS[:3, :3] if self._is_ras else np.eye(3)
-                at, kinds = case.session.apply(points=np.asarray(points) @ flip, progress=progress)
-                result[self._names["points"]], truth["point_kinds"] = at @ flip, kinds
+                at, kinds = case.session.apply(points=points * flip, progress=progress)
+                result[self._names["points"]], truth["point_kinds"] = at * flip, kinds
             if "warp" in self._returns:
                 result["warp"] = case.session.offsets(progress=progress)
             if "inverse" in self._returns:
@@ -122,8 +134,10 @@ class RandomMotion:
 
     def _volume(self, data: Dict[str, Any], which: str) -> Optional[Volume]:
         values = data.get(self._names[which])
-        if values is None or isinstance(values, (Volume, str, os.PathLike)):
-            return values if values is None else as_volume(values)
+        if values is None:
+            return None
+        if _is_volume(values):
+            return as_volume(values)
         affine = data.get(self._names["affine"], getattr(values, "affine", None))
         if affine is None:
             raise InputError(f"{self._names['affine']}: found none, expected 4 x 4, from voxels to "
@@ -134,7 +148,7 @@ class RandomMotion:
     def _put(self, data: Dict[str, Any], which: str, array: np.ndarray) -> None:
         """The deformed array in the shape and type, or as the Volume, that was given."""
         given = data[self._names[which]]
-        if isinstance(given, (Volume, str, os.PathLike)):
+        if _is_volume(given):
             data[self._names[which]] = Volume(array, as_volume(given).grid, name=which)
             return
         given = np.asarray(given)
