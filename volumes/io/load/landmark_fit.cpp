@@ -38,7 +38,7 @@ Fields fields(LandmarkFit& settings) {
           .at_least(0),
       Field("no_folds", settings.has_no_folds, "Raise stiffness until no cell of the grid folds"),
       Field("labels", settings.labels,
-            "Label volume for --rigid, where the vectors begin: at TO, or for material at FROM")
+            "Label volume of rigid labels, where the vectors begin: at TO, or for material at FROM")
           .shown_as("FILE"),
       Field("rigid_width", settings.width_mm,
             "Distance from rigid labels at which half of the rest of the motion acts")
