@@ -41,7 +41,7 @@ double CoordinateRelaxation::step_diagonals_of(std::size_t brick, const Diagonal
   const SweepOutcome outcome = sweep_diagonals_of(brick, m_elements.single[brick], sweep, out);
   m_energies[brick] = outcome.energy;
   m_is_tight[brick] = outcome.least_slack <= kTightSlack * kFinePerUnit;
-  if (outcome.largest_step != 0) m_changed[brick] = 1;
+  if (outcome.largest_step > (m_in_turns ? m_still : 0)) m_changed[brick] = 1;
   return outcome.largest_step;
 }
 

@@ -1,7 +1,7 @@
 // Relaxation of one coordinate: with box limits the three are independent (thesis section 4.3).
 //
 // Costs memory and time where something moves: a brick is swept only when it or a neighbour changed
-// in the pass before.
+// in the pass before, by more than RelaxParams::still_voxels.
 #pragma once
 
 #include <vector>
@@ -18,7 +18,7 @@ class CoordinateRelaxation {
  public:
   /// `anchored` stays where it is; `held` keeps elements at or beyond bounds. All outlive this.
   CoordinateRelaxation(const Body& body, int coordinate, const SlotSet& anchored, const Holds& held,
-                       RelaxMethod method);
+                       const RelaxParams& params);
 
   /// Makes a pass; returns the largest step, 2^-32 voxel.
   double pass();
@@ -57,6 +57,7 @@ class CoordinateRelaxation {
   const std::vector<Bound>& m_at_least;
   const std::vector<Bound>& m_at_most;
   RelaxMethod m_method;
+  double m_still;  // RelaxParams::still_voxels, 2^-32 voxel
   LinkTable m_table;
   bool m_is_plastic;
   int m_extent;  // of the body, voxels

@@ -40,6 +40,9 @@ struct RelaxParams {
   /// pass and coordinate; 0: no limit. Work and not time, so that the result is the same on every
   /// machine. With a budget the forces are asked less often whether they agree.
   double budget_million = 0;
+  /// A brick in which a pass steps no further, in voxels, counts as one at rest, so that it and its
+  /// neighbours are left out of the next; with diagonal links whose nodes step in turns.
+  double still_voxels = 0;
 
   bool conserves_volume() const { return bulk_modulus_kpa > 0 || poisson; }
   /// Throws InputError: a value out of range.

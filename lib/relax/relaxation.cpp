@@ -71,6 +71,12 @@ Fields fields(RelaxParams& params) {
           .unit("million")
           .at_least(0)
           .recorded_as("budget_million"),
+      Field("still", params.still_voxels,
+            "Leave out, with links = 18 or 26, what a pass moves no further")
+          .unit("voxels")
+          .at_least(0)
+          .only_in_scenes()
+          .recorded_as("still_voxels"),
   };
 }
 
@@ -92,6 +98,9 @@ void RelaxParams::validate() const {
   }
   if (!(budget_million >= 0)) {
     throw InputError({"", "budget", number_text(budget_million), "0 or more million elements"});
+  }
+  if (!(still_voxels >= 0)) {
+    throw InputError({"", "still", number_text(still_voxels), "0 or more voxels"});
   }
   check_bulk_modulus(bulk_modulus_kpa);
   if (conserves_volume() && !supple::conserves_volume(method)) {
@@ -122,7 +131,7 @@ Relaxation::Relaxation(Body& body, const SlotSet& fixed, const Holds& held,
   for (int c = 0; c < 3; ++c) {
     const std::size_t at = std::size_t(c);
     if (body.q[at].empty() && body.fraction[at].empty() && !has_rest(body, c)) continue;
-    m_coordinates[at] = std::make_unique<CoordinateRelaxation>(body, c, fixed, held, params.method);
+    m_coordinates[at] = std::make_unique<CoordinateRelaxation>(body, c, fixed, held, params);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "tools/python/python_arrays.h"
 #include "tools/python/python_values.h"
 #include "tools/python/sent_through.h"
+#include "tools/scene/augment/augmentation.h"
 #include "tools/scene/file/scene.h"
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/replay.h"
@@ -17,7 +18,6 @@
 #include "tools/scene/run/view_pictures.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/grid/b_spline.h"
-#include "volumes/io/load/followed_labels.h"
 
 namespace py = pybind11;
 
@@ -26,6 +26,12 @@ namespace supple::python {
 namespace {
 
 using tools::LiveSession;
+
+tools::AugmentParams augment_params(const Value& keys) {
+  tools::AugmentParams params;
+  read_keys(keys, fields(params));
+  return params;
+}
 
 /// One thread at a time; whoever waits for it attends to signals, too.
 class HeldSession {
@@ -116,19 +122,31 @@ class HeldSession {
     return send_points(*motion, points, callback);
   }
 
-  py::array move_labels(const std::string& path, bool back, const Geometry& grid,
+  py::array move_labels(const StoredLabels& labels, bool back, const Geometry& grid,
                         const py::object& callback) {
     const Posed now = posed(callback);
-    const StoredLabels labels = attended(callback, [&](Progress& progress) {
-      return StoredLabels(*open_volume(path, {}, &progress), &progress);
-    });
+    if (!back) {
+      return labels_of(labels, grid, followed_labels(labels, now.pose.offsets, grid), callback);
+    }
     std::atomic<std::int64_t> unresolved{0};
     const CutElements body{now.state.elements, now.state.cuts};
     const auto motion =
         attended(callback, [&](Progress&) { return motion_along(now.pose.displacement, body); });
-    const auto slices = back ? followed_labels(labels, *motion, grid, unresolved)
-                             : followed_labels(labels, now.pose.offsets, grid);
-    return array_of(grid, labels.type(), 1, "labels", callback, slices);
+    return labels_of(labels, grid, followed_labels(labels, *motion, grid, unresolved), callback);
+  }
+
+  /// Takes the body to a sample of `supple augment`, and its truth. The body at the first call is
+  /// rest; `keys`: fields of AugmentParams.
+  Value sample(const Value& keys, int number, const py::object& callback) {
+    return with(callback, [&](LiveSession& live, Progress& progress) {
+      if (!m_samples || !(keys == m_settings)) {
+        const tools::AugmentParams params = augment_params(keys);
+        if (m_samples) m_samples->take_back();
+        m_samples.emplace(live.session(), params);
+        m_settings = keys;
+      }
+      return m_samples->draw(number, &progress);
+    });
   }
 
   py::tuple measure(bool has_maps, const py::object& callback) {
@@ -223,6 +241,8 @@ class HeldSession {
  private:
   std::mutex m_guard;
   std::unique_ptr<LiveSession> m_live;
+  std::optional<tools::Augmentation> m_samples;
+  Value m_settings;
 };
 
 }  // namespace
@@ -239,12 +259,14 @@ void bind_session(py::module_& module) {
       .def("move_points", &HeldSession::move_points)
       .def("move_labels", &HeldSession::move_labels)
       .def("measure", &HeldSession::measure)
+      .def("sample", &HeldSession::sample)
       .def("draw", &HeldSession::draw)
       .def("facts", &HeldSession::facts)
       .def("hash", &HeldSession::hash)
       .def("save", &HeldSession::save)
       .def("journal", &HeldSession::journal)
       .def("scene", &HeldSession::scene);
+  module.def("check_augment", [](const Value& keys) { augment_params(keys); });
 }
 
 }  // namespace supple::python

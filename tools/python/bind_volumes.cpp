@@ -4,7 +4,6 @@
 #include "tools/python/bindings.h"
 #include "tools/python/python_arrays.h"
 #include "tools/python/python_values.h"
-#include "volumes/base/table.h"
 #include "volumes/io/filter/filters.h"
 #include "volumes/io/filter/on_grid.h"
 #include "volumes/io/format/dense_writer.h"
@@ -17,19 +16,15 @@ namespace {
 
 ReadOptions read_options(const Value& keys) {
   ReadOptions options;
-  Table table(keys);
-  table.read(fields(options));
-  table.finish();
+  read_keys(keys, fields(options));
   return options;
 }
 
 WriteOptions write_options(const Value& keys) {
   WriteOptions options;
-  Table table(keys);
   Fields all = fields(options);
   for (const Field& field : vector_fields(options)) all.push_back(field);
-  table.read(all);
-  table.finish();
+  read_keys(keys, all);
   return options;
 }
 

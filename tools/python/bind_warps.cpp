@@ -5,7 +5,7 @@
 #include "tools/python/python_values.h"
 #include "tools/python/sent_through.h"
 #include "volumes/field/dense/invert_warp.h"
-#include "volumes/io/load/followed_labels.h"
+#include "volumes/io/load/landmark_fit.h"
 #include "volumes/io/load/load.h"
 #include "volumes/io/transform/transform_volume.h"
 #include "volumes/io/warp_file.h"
@@ -127,25 +127,43 @@ py::array warp_volume(const VectorArray& vectors, const Geometry& grid, const st
 }
 
 py::array warp_labels(const VectorArray& vectors, const Geometry& grid,
-                      const std::string& direction, const std::string& path, bool back,
+                      const std::string& direction, const StoredLabels& labels, bool back,
                       const Geometry& target, const py::object& callback) {
   const Warp warp =
       attended(callback, [&](Progress&) { return warp_of(vectors, grid, direction); });
-  const StoredLabels labels = attended(callback, [&](Progress& progress) {
-    return StoredLabels(*open_volume(path, {}, &progress), &progress);
-  });
   const auto motion = attended(callback, [&](Progress&) { return motion_through(warp, !back); });
   std::atomic<std::int64_t> unresolved{0};
-  return array_of(target, labels.type(), 1, "labels", callback,
-                  followed_labels(labels, *motion, target, unresolved));
+  return labels_of(labels, target, followed_labels(labels, *motion, target, unresolved), callback);
+}
+
+/// The vectors and the report of `supple fit`; `keys` without `rigid`.
+py::tuple fit_points(const PointArray& from, const PointArray& to, const Geometry& grid,
+                     const Value& keys, const std::vector<int>& rigid, const py::object& callback) {
+  LandmarkFit settings;
+  read_keys(keys, fields(settings));
+  settings.rigid = rigid;
+  const std::vector<Vec3d> begins = places_of(from), ends = places_of(to);
+  const UnfoldedMap found = attended(callback, [&](Progress& progress) {
+    return fit_landmarks(settings, begins, ends, grid, &progress);
+  });
+  GridFolds folds(grid);
+  const py::array vectors = vectors_of(grid, counted(found.map.slices(grid), folds), callback);
+  return py::make_tuple(vectors, to_value(found, folds));
 }
 
 }  // namespace
 
 void bind_warps(py::module_& module) {
+  py::class_<StoredLabels>(module, "StoredLabels")
+      .def(py::init([](const std::string& path, const py::object& callback) {
+        return attended(callback, [&](Progress& progress) {
+          return StoredLabels(*open_volume(path, {}, &progress), &progress);
+        });
+      }));
   module.def("read_warp", &read_warp_file);
   module.def("invert", &invert_array);
   module.def("compose", &compose_all);
+  module.def("fit", &fit_points);
   module.def("measure", &measure_warp);
   module.def("move_points", &move_points);
   module.def("warp_volume", &warp_volume);

@@ -1,5 +1,7 @@
 #include "tools/python/python_values.h"
 
+#include "volumes/base/table.h"
+
 namespace py = pybind11;
 
 namespace supple::python {
@@ -55,6 +57,12 @@ py::object to_object(const Value& value) {
   py::list list;
   for (const Value& item : value.items()) list.append(to_object(item));
   return std::move(list);
+}
+
+void read_keys(const Value& keys, const Fields& fields) {
+  Table table(keys);
+  table.read(fields);
+  table.finish();
 }
 
 }  // namespace supple::python

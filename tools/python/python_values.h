@@ -5,13 +5,15 @@
 
 #include <pybind11/pybind11.h>
 
-#include "volumes/base/value.h"
+#include "volumes/base/fields.h"
 
 namespace supple::python {
 
 /// Throws pybind11::type_error, naming the key, for what no file could hold.
 Value to_value(pybind11::handle object, const std::string& key = "");
 pybind11::object to_object(const Value& value);
+/// Sets fields by name. Throws InputError for what they do not have or allow.
+void read_keys(const Value& keys, const Fields& fields);
 
 }  // namespace supple::python
 

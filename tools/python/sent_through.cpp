@@ -15,14 +15,19 @@ VoidMode void_of(const std::string& name) {
   throw InputError({"", "void", "\"" + name + "\"", "\"nearest\", \"outside\" or \"extend\""});
 }
 
-py::tuple send_points(const PointMotion& motion, const PointArray& points,
-                      const py::object& callback) {
+std::vector<Vec3d> places_of(const PointArray& points) {
   if (points.ndim() != 2 || points.shape(1) != 3) {
     throw InputError({"", "points", "an array of another shape", "(n, 3) in LPS mm"});
   }
+  const auto* const first = reinterpret_cast<const Vec3d*>(points.data());
+  return {first, first + points.shape(0)};
+}
+
+py::tuple send_points(const PointMotion& motion, const PointArray& points,
+                      const py::object& callback) {
+  const std::vector<Vec3d> from = places_of(points);
   static constexpr const char* kKinds[] = {"inside", "outside", "folded", "torn", "unresolved"};
-  const auto count = std::size_t(points.shape(0));
-  const auto* from = reinterpret_cast<const Vec3d*>(points.data());
+  const std::size_t count = from.size();
   py::array_t<double> moved({py::ssize_t(count), py::ssize_t(3)});
   auto* const to = reinterpret_cast<Vec3d*>(moved.mutable_data());
   std::vector<PlaceKind> kinds(count);
@@ -37,6 +42,11 @@ py::tuple send_points(const PointMotion& motion, const PointArray& points,
   py::list names;
   for (const PlaceKind kind : kinds) names.append(kKinds[int(kind)]);
   return py::make_tuple(moved, names);
+}
+
+py::array labels_of(const StoredLabels& labels, const Geometry& grid,
+                    const LabelSliceSource& slices, const py::object& callback) {
+  return array_of(grid, labels.type(), 1, "labels", callback, slices);
 }
 
 py::tuple measures_of(const DeformationMaps& maps, const Geometry& grid, const BrickValues& labels,

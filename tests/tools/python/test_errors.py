@@ -94,6 +94,38 @@ class Refused(InFolder):
         session.drag([12, 10, 14], [1, 0, 0])  # and goes on
         self.assertNotEqual(session.hash, before)
 
+    def test_landmarks_that_are_none(self):
+        at = np.eye(4, 3) * 9
+        self.refused(lambda: supple.fit(at, at[:3], self.head), "4 and 3", "pairs")
+        self.refused(lambda: supple.fit(at[:, :2], at[:, :2], self.head), "(n, 3)")
+        self.refused(lambda: supple.fit(at[:0], at[:0], self.head), "one or more")
+        self.refused(lambda: supple.fit(at * np.nan, at, self.head), "finite")
+        self.refused(lambda: supple.fit(at[:3], at[[0, 0, 1]], self.head), "points")
+        self.refused(lambda: supple.fit(at, at, self.head, stifness=1), "did you mean 'stiffness'")
+        self.refused(lambda: supple.fit(at, at, self.head, direction="pull"), "direction")
+        self.refused(lambda: supple.fit(at, at, self.head, rigid=[1]), "rigid and labels",
+                     kind=supple.UsageError)
+        self.refused(lambda: supple.fit(at, at, self.head, rigid=[9], labels=self.head), "label 9")
+
+    def test_motions_that_are_none(self):
+        kind = supple.augment.RandomDrag
+        self.refused(lambda: kind(reech=3), "did you mean 'reach'")
+        self.refused(lambda: kind(reach=-3), "reach")
+        self.refused(lambda: kind(frame="nifti"), "frame", "ras")
+        self.refused(lambda: kind(returns=["warps"]), "returns", "inverse")
+        move = kind(MATERIAL)
+        self.refused(lambda: move({"image": head()}), "affine")
+        self.refused(lambda: move({"ct": head(), "affine": AFFINE}), "image")
+        self.refused(lambda: move({"image": head()[0], "affine": AFFINE}), "2 dimensions")
+        self.refused(lambda: move("/no/head.nrrd"), "/no/head.nrrd")
+        case = {"image": head(), "labels": head()[1:], "affine": AFFINE}
+        self.refused(lambda: move(case), "grid")
+        for number in (-1, 2 ** 31, "1"):
+            self.refused(lambda: move(self.head, number=number), "number", "2147483647")
+        self.refused(lambda: move({"image": self.head, "points": np.zeros((3, 2))}), "(3, 2)")
+        self.refused(lambda: supple.augment.RandomJointMotion(MATERIAL)(self.head), "rigid pieces")
+        self.assertEqual(move(self.head, number=1)["truth"].sample, 1)  # and goes on
+
     def test_calls_that_do_not_fit_together(self):
         self.refused(lambda: supple.apply(self.head), "points or labels", kind=supple.UsageError)
         self.refused(lambda: supple.resample(self.head), "grid or spacing", kind=supple.UsageError)
@@ -127,11 +159,14 @@ class Ended(InFolder):
         self.session.fem({"tolerance": 1e-12}, handles=[{"grab": [48, 48, 80], "by": [3, 2, 6]}],
                          fix=[[30, 30, 4, 60, 60, 8]], **more)
 
+    def augment(self, **more):
+        supple.augment.RandomDrag(MATERIAL, passes=1000000)(self.large, number=1, **more)
+
     def springs(self, **more):
         self.session.step(model="springs", springs={"time": 100.0, "step": 0.001}, **more)
 
     def test_control_c_ends_long_calls(self):
-        for work in (self.relax, self.fem, self.springs):
+        for work in (self.relax, self.fem, self.springs, self.augment):
             with self.subTest(work.__name__):
                 sent = []
                 def interrupt():

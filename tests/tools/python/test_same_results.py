@@ -139,6 +139,43 @@ class SameCommands(InFolder):
         self.assert_same(self.by_program("resample", self.head, "--grid", self.path("moved.nrrd")),
                          supple.resample(self.head, grid=moved).array)
 
+    def test_fit(self):
+        at = np.random.default_rng(5).uniform([-18, -10, -7], [12, 12, 27], (14, 3))
+        to = at + np.sin(at / 7) + [1.0, 0, -0.5]
+        for name, points in (("from", at), ("to", to)):
+            np.savetxt(self.path(name + ".csv"), points, "%.17g", ",", header="x,y,z", comments="")
+        command = ["fit", "--grid", self.head, "--points", self.path("from.csv"),
+                   self.path("to.csv")]
+        for direction in ("resample", "material"):
+            for options, more in (([], {}), (["--stiffness", "2.5"], {"stiffness": 2.5}),
+                                  (["--labels", self.labels, "--rigid", "2", "--rigid-width", "4"],
+                                   {"labels": self.labels, "rigid": [2], "rigid_width": 4}),
+                                  (["--no-folds"], {"no_folds": True})):
+                with self.subTest(direction=direction, **more):
+                    path = self.path("fitted.nrrd")
+                    told = run_json(*command, *options, "--direction", direction, "-o", path,
+                                    "--force", "--quiet")
+                    warp = supple.fit(at, to, self.head, direction=direction, **more)
+                    self.assert_same(read_nrrd(path), warp.array)
+                    told.pop("output")
+                    self.assertEqual((warp.direction, warp.report), (direction, told))
+
+    def test_fit_is_the_spline_of_scipy(self):
+        try:
+            from scipy.interpolate import RBFInterpolator
+        except ImportError:
+            self.skipTest("python3-scipy is not installed")
+        at = np.random.default_rng(6).uniform([-18, -10, -7], [12, 12, 27], (20, 3))
+        to = at + np.sin(at / 7)
+        k, j, i = np.indices(head().shape).reshape(3, -1)
+        places = (AFFINE @ np.stack([i, j, k, np.ones_like(i)]))[:3].T
+        for stiffness in (0.0, 2.5):
+            theirs = RBFInterpolator(at, to - at, kernel="linear", degree=1,
+                                     smoothing=stiffness)(places)
+            ours = supple.fit(at, to, self.head, direction="material", stiffness=stiffness).array
+            self.assertLess(np.abs(ours.reshape(-1, 3) - theirs).max(), 5e-7)  # float32 of 4 mm
+            self.assertGreater(np.abs(theirs).max(), 0.5)
+
     def test_invert(self):
         for void in ("extend", "outside", "nearest"):
             self.assert_same(self.by_program("invert", self.path("pull.nrrd"), "--void", void),

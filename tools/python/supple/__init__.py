@@ -16,11 +16,13 @@ that returns False cancels), and end by Ctrl-C.
 from ._errors import Cancelled, Error, InputError, SuppleWarning, SystemError, UsageError
 from ._supple import Grid, version as __version__
 from ._volume import Volume, open
-from ._warp import Points, Warp, apply, compose, invert, metrics, read_warp, resample
+from ._warp import Points, Warp, apply, compose, fit, invert, metrics, read_warp, resample
 from ._session import Metrics, Report, Session
+from . import augment
 from ._scene import Picture, Scene, materials, models, presets, show
 
 __all__ = [
     "Cancelled", "Error", "Grid", "InputError", "Metrics", "Picture", "Points", "Report", "Scene",
-    "Session", "SuppleWarning", "SystemError", "UsageError", "Volume", "Warp", "apply", "compose",
-    "invert", "materials", "metrics", "models", "open", "presets", "read_warp", "resample", "show"]
+    "Session", "SuppleWarning", "SystemError", "UsageError", "Volume", "Warp", "apply", "augment",
+    "compose", "fit", "invert", "materials", "metrics", "models", "open", "presets", "read_warp",
+    "resample", "show"]

@@ -4,6 +4,8 @@ import logging
 import os
 import sys
 import warnings
+from types import FrameType
+from typing import Optional
 
 _PACKAGE = os.path.dirname(__file__)
 _LOG = logging.getLogger("supple")
@@ -49,7 +51,8 @@ def tell(kind: str, line: str) -> None:
 
 
 def _frames_to_caller() -> int:
-    level, frame = 1, sys._getframe(1)
+    level = 1
+    frame: Optional[FrameType] = sys._getframe(1)
     while frame is not None and os.path.dirname(frame.f_code.co_filename) == _PACKAGE:
         level, frame = level + 1, frame.f_back
     return level

@@ -10,7 +10,7 @@ from . import _supple
 from ._errors import InputError
 from ._supple import Grid
 from ._volume import Progress, Volume, as_grid, as_volume
-from ._warp import Points, Warp, apply, metrics
+from ._warp import Warp, apply, metrics
 
 
 class Report(dict):
@@ -60,9 +60,9 @@ class Session:
     def __init__(self, volume: Any, material: Any = None, *, labels: Any = None,
                  progress: Progress = None, **tables: Any):
         is_state = isinstance(volume, (str, os.PathLike)) and _supple.is_state(os.fspath(volume))
-        self._volume = None if is_state else as_volume(volume)
-        root: Dict[str, Any] = {
-            "volume": {"path": os.fspath(volume)} if is_state else self._volume.source()}
+        self._volume = volume if is_state else as_volume(volume)
+        source = {"path": os.fspath(volume)} if is_state else self._volume.source()
+        root: Dict[str, Any] = {"volume": source}
         if material is not None:
             root["material"] = material_keys(material)
         if labels is not None:
@@ -81,7 +81,7 @@ class Session:
     def step(self, *, progress: Progress = None, **keys: Any) -> Report:
         """One step with the keys of a scene's [[step]], and its report. Nothing has changed where
         it raises."""
-        return self.event("step", progress=progress, **keys)
+        return self.event("step", progress=progress, **keys) or Report()
 
     def drag(self, grab: Any = None, by: Any = None, *, progress: Progress = None,
              **keys: Any) -> Report:
@@ -192,7 +192,7 @@ class Session:
         """Displacement, det F, folds, change of volume and bending at rest; see Metrics."""
         return metrics(self, maps=maps, progress=progress)
 
-    def apply(self, **what: Any) -> Union[Points, Volume]:
+    def apply(self, **what: Any) -> Any:
         """Points or labels follow the body; see supple.apply()."""
         return apply(self, **what)
 
@@ -222,8 +222,9 @@ class Session:
     def _move_points(self, points: np.ndarray, back: bool, progress: Progress) -> tuple:
         return self._held.move_points(points, back, progress)
 
-    def _move_labels(self, path: str, back: bool, grid: Grid, progress: Progress) -> np.ndarray:
-        return self._held.move_labels(path, back, grid, progress)
+    def _move_labels(self, labels: _supple.StoredLabels, back: bool, grid: Grid,
+                     progress: Progress) -> np.ndarray:
+        return self._held.move_labels(labels, back, grid, progress)
 
     def _measure(self, maps: bool, progress: Progress) -> tuple:
         return self._held.measure(maps, progress)

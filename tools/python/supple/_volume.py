@@ -13,7 +13,7 @@ from ._errors import InputError
 from ._supple import Grid
 
 Progress = Optional[Callable[[str, float], Any]]
-_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
+RAS = np.diag([-1.0, -1.0, 1.0, 1.0])
 _NRRD_TYPES = {"int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"}
 
 
@@ -66,12 +66,12 @@ class Volume:
         data = np.asanyarray(image.dataobj)
         if data.ndim != 3:
             raise InputError(f"image: found {data.ndim} dimensions, expected 3", field="image")
-        return cls.from_array(data.transpose(2, 1, 0), _RAS @ image.affine, name="nibabel")
+        return cls.from_array(data.transpose(2, 1, 0), RAS @ image.affine, name="nibabel")
 
     def to_nibabel(self) -> Any:
         """Image of nibabel with data [i, j, k] and RAS affine."""
-        import nibabel
-        return nibabel.Nifti1Image(self.array.transpose(2, 1, 0), _RAS @ self.affine)
+        import nibabel  # type: ignore[import]
+        return nibabel.Nifti1Image(self.array.transpose(2, 1, 0), RAS @ self.affine)
 
     @property
     def array(self) -> np.ndarray:
@@ -164,7 +164,7 @@ class _MemoryFile:
         with builtins.open(self.path, "wb") as file:
             file.write(header)
             for plane in array:
-                file.write(np.ascontiguousarray(plane))
+                file.write(np.ascontiguousarray(plane).data)
 
 
 def _memory(size: int) -> Optional[str]:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, List, NamedTuple, Optional, Union
+from typing import Any, List, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 
@@ -18,8 +18,9 @@ class Warp:
 
     array: float32 [k, j, i, 3], mm along LPS, read-only. direction: "resample", content at x came
     from x + o(x), or "material", voxel X is now at X + u(X). certificate: dict of the inversion
-    that gave it, or None.
+    that gave it, or None. report: dict of fit(), or None.
     """
+    report: Optional[dict] = None
 
     def __init__(self, array: Any, grid: Grid, *, direction: str,
                  certificate: Optional[dict] = None):
@@ -71,7 +72,7 @@ def read_warp(path: Union[str, os.PathLike], *, direction: Optional[str] = None,
     if recorded is not None and direction not in (None, recorded):
         raise InputError(f"{os.fspath(path)}: direction: found {recorded} in the file, expected "
                          f"{direction}", os.fspath(path), "direction", recorded, str(direction))
-    return Warp(array, own, direction=recorded or direction)
+    return Warp(array, own, direction=str(recorded or direction))
 
 
 def as_warp(thing: Any, direction: Optional[str] = None) -> Warp:
@@ -91,6 +92,27 @@ def invert(warp: Any, *, direction: Optional[str] = None, void: str = "extend", 
     array, on, certificate = _supple.invert(warp.array, warp.grid, warp.direction, void,
                                             grid and as_grid(grid), progress)
     return Warp(array, on, direction=direction or warp.direction, certificate=certificate)
+
+
+def fit(from_points: Any, to_points: Any, grid: Any, *, direction: str = "resample",
+        labels: Any = None, rigid: Sequence[int] = (), progress: Progress = None,
+        **settings: Any) -> Warp:
+    """Warp through landmarks, `supple fit` (docs/landmarks.md): a thin-plate spline.
+
+    from_points, to_points: (n, 3) in LPS mm, pair by pair. grid: Grid, or a volume that has it.
+    direction: "resample", what is now at `to` came from `from`, or "material". labels, rigid:
+    volume and numbers of its labels that move as rigid bodies. settings: stiffness in mm, no_folds,
+    rigid_width in mm. The result's `report` has misfits in mm and folded cells. Raises InputError
+    for points that coincide, or that are not pairs.
+    """
+    keys = {"direction": direction, **settings}
+    if labels is not None:
+        keys["labels"] = os.fspath(labels := as_volume(labels))
+    pairs = [np.asarray(points, dtype=np.float64) for points in (from_points, to_points)]
+    array, report = _supple.fit(*pairs, as_grid(grid), keys, list(rigid), progress)
+    warp = Warp(array, as_grid(grid), direction=direction)
+    warp.report = report
+    return warp
 
 
 def compose(*transforms: Any, grid: Any = None, progress: Progress = None) -> Warp:
@@ -118,8 +140,9 @@ class Points(NamedTuple):
 
 def apply(deformation: Any, *, points: Any = None, labels: Any = None, back: bool = False,
           grid: Any = None, direction: Optional[str] = None,
-          progress: Progress = None) -> Union[Points, Volume]:
-    """Points or labels follow a Session, a Warp, or the path of a state or warp.
+          progress: Progress = None) -> Any:
+    """Points (returned as Points) or labels (as a Volume) follow a Session, a Warp, or the path of
+    a state or warp.
 
     points: (n, 3) in LPS mm. labels: volume of whole numbers; each voxel takes the nearest label of
     the place that its content came from, so that no new one appears. back: from the deformed place
@@ -134,7 +157,8 @@ def apply(deformation: Any, *, points: Any = None, labels: Any = None, back: boo
         return Points(*body._move_points(at, back, progress))
     source = as_volume(labels)
     on = as_grid(grid) if grid is not None else body.grid
-    return Volume(body._move_labels(os.fspath(source), back, on, progress), on, name="labels")
+    stored = _supple.StoredLabels(os.fspath(source), progress)
+    return Volume(body._move_labels(stored, back, on, progress), on, name="labels")
 
 
 def metrics(deformation: Any, *, maps: bool = True, direction: Optional[str] = None,
@@ -187,8 +211,9 @@ class _WarpBody:
     def _move_points(self, points: np.ndarray, back: bool, progress: Progress) -> tuple:
         return _supple.move_points(*self._vectors(), points, back, progress)
 
-    def _move_labels(self, path: str, back: bool, grid: Grid, progress: Progress) -> np.ndarray:
-        return _supple.warp_labels(*self._vectors(), path, back, grid, progress)
+    def _move_labels(self, labels: _supple.StoredLabels, back: bool, grid: Grid,
+                     progress: Progress) -> np.ndarray:
+        return _supple.warp_labels(*self._vectors(), labels, back, grid, progress)
 
     def _measure(self, maps: bool, progress: Progress) -> tuple:
         return _supple.measure(*self._vectors(), maps, progress)

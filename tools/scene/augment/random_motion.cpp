@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <optional>
 
 #include "lib/body/slot_set.h"
 #include "volumes/base/error.h"
@@ -61,6 +60,24 @@ double distance_to_bone(const Body& body, const Vec3i& centre, double most_mm) {
   return nearest;
 }
 
+/// The number of the rigid piece with the most elements; 0 where there is none.
+std::size_t largest_piece(const Body& body) {
+  const auto is_smaller = [](const RigidPiece& a, const RigidPiece& b) {
+    return a.elements->size() < b.elements->size();
+  };
+  const std::vector<RigidPiece>& pieces = body.rigid.list;
+  return std::size_t(std::max_element(pieces.begin(), pieces.end(), is_smaller) - pieces.begin());
+}
+
+/// A voxel of the largest piece as the list of what a step holds; null where there is no piece.
+Value fixed_piece(const Body& body) {
+  Value fixed;
+  if (body.rigid.list.empty()) return fixed;
+  const RigidPiece& piece = body.rigid.list[largest_piece(body)];
+  fixed.push_back(voxel_of(body.elements, piece.elements->first()));
+  return fixed;
+}
+
 /// Balls of soft tissue that are dragged apart from each other, each by its own way.
 DrawnMotion draw_drag(const DrawnBody& body, const DrawnLimits& limits, RandomNumbers& random) {
   if (body.free.empty()) {
@@ -75,22 +92,23 @@ DrawnMotion draw_drag(const DrawnBody& body, const DrawnLimits& limits, RandomNu
   constexpr int kMostTries = 50;
   for (int tries = 0; tries < kMostTries && handles.size() < wanted; ++tries) {
     const Slot slot = body.free[below(random, body.free.size())];
-    const double drawn_mm = between(random, least_mm, std::max(limits.radius_mm, least_mm));
+    const double drawn_mm = std::max(between(random, 0.5, 1) * limits.radius_mm, least_mm);
     const Vec3i centre = voxel_of(elements, slot);
-    // Short of the bone, which tissue may take along, but no handle; and no further than the ball
-    // is wide, since a thin thread of tissue cannot follow.
+    // Short of the bone, which tissue may take along, but no handle; and less far than half the
+    // ball is wide, since tissue would fold in front of it, and not so little that nobody sees it.
     const double radius_mm =
         std::max(distance_to_bone(body.session.body(), centre, drawn_mm) - least_mm / 2, 0.0);
     const double way_mm =
-        between(random, 0, 1) * std::min(limits.reach_mm, std::max(2 * radius_mm, least_mm));
+        between(random, 0.4, 1) * std::min(limits.reach_mm, std::max(0.6 * radius_mm, least_mm));
     const DrawnHandle handle{centre, radius_mm, direction(random) * way_mm};
     const bool fits = std::all_of(handles.begin(), handles.end(), [&](const DrawnHandle& other) {
       return is_apart(handle, other, geometry);
     });
     if (fits) handles.push_back(handle);
   }
-  return [handles](double part) {
+  return [handles, fixed = fixed_piece(body.session.body())](double part) {
     Value keys;
+    if (!fixed.is_null()) keys["fix"] = fixed;
     for (const DrawnHandle& handle : handles) {
       keys["handles"].push_back({{"grab_ball", Vec3d(handle.centre)},
                                  {"radius", handle.radius_mm},
@@ -139,11 +157,7 @@ DrawnMotion draw_joint(const DrawnBody& body, const DrawnLimits& limits, RandomN
     throw InputError({"", "rigid pieces", "none",
                       "bones that move, such as --material ct-head has, or --rigid"});
   }
-  const auto is_smaller = [](const RigidPiece& a, const RigidPiece& b) {
-    return a.elements->size() < b.elements->size();
-  };
-  const auto largest =
-      std::size_t(std::max_element(pieces.begin(), pieces.end(), is_smaller) - pieces.begin());
+  const std::size_t largest = largest_piece(solid);
   std::size_t turned = below(random, std::max<std::size_t>(pieces.size() - 1, 1));
   if (pieces.size() > 1 && turned >= largest) ++turned;
 
@@ -155,13 +169,12 @@ DrawnMotion draw_joint(const DrawnBody& body, const DrawnLimits& limits, RandomN
   const Vec3i joint = joint_of(own, others, body.session.geometry());
   const Vec3d axis = direction(random);
   const double angle_deg = between(random, -limits.turn_deg, limits.turn_deg);
-  std::optional<Vec3i> held;
-  if (pieces.size() > 1) held = voxel_of(solid.elements, pieces[largest].elements->first());
+  const Value fixed = pieces.size() > 1 ? fixed_piece(solid) : Value();
   return [=, grabbed = own.front()](double part) {
     Value keys;
     keys["handles"].push_back(
         {{"grab", grabbed}, {"rotate", angle_deg * part}, {"axis", axis}, {"about", Vec3d(joint)}});
-    if (held) keys["fix"].push_back(*held);
+    if (!fixed.is_null()) keys["fix"] = fixed;
     return keys;
   };
 }
@@ -171,8 +184,11 @@ DrawnMotion draw_joint(const DrawnBody& body, const DrawnLimits& limits, RandomN
 Fields fields(DrawnLimits& limits) {
   return {
       Field("handles", limits.handles, "Handles of a drag, 1 to so many").range(1, 20),
-      Field("reach", limits.reach_mm, "Way of a handle, 0 to so much").unit("mm").range(0, 1000),
-      Field("radius", limits.radius_mm, "Radius of what a handle grabs, a voxel to so much")
+      Field("reach", limits.reach_mm, "Way of a handle at most, less where tissue would fold")
+          .unit("mm")
+          .range(0, 1000),
+      Field("radius", limits.radius_mm,
+            "Radius of what a handle grabs, half of it to so much, less near bone")
           .unit("mm")
           .range(0, 1000),
       Field("turn", limits.turn_deg, "Turn of a joint either way, 0 to so much")

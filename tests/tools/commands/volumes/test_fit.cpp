@@ -138,7 +138,7 @@ TEST_F(FaultFit, WrongCommandLinesAndFilesAreOneLine) {
                  "found 3, expected 16");
   expect_refused({"--points", from, path("absent.csv"), "-o", path("w.nrrd")}, 3, "absent.csv");
   expect_refused({"--points", from, path("to.csv"), "--rigid", "1", "-o", path("w.nrrd")}, 2,
-                 "--labels");
+                 "rigid and labels");
   expect_refused({"--points", from, path("to.csv"), "--labels", path("grid.nrrd"), "--rigid", "9",
                   "-o", path("w.nrrd")},
                  3, "label 9");

@@ -1,0 +1,19 @@
+from typing import Any, Sequence, Tuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+version: str
+
+class Grid:
+    def __init__(self, shape: Sequence[int], affine: ArrayLike) -> None: ...
+    def __eq__(self, other: object) -> bool: ...
+    def __hash__(self) -> int: ...
+    @property
+    def affine(self) -> NDArray[np.float64]: ...
+    @property
+    def shape(self) -> Tuple[int, int, int]: ...
+    @property
+    def spacing(self) -> Tuple[float, float, float]: ...
+
+def __getattr__(name: str) -> Any: ...  # what the package makes classes of
