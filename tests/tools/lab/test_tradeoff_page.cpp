@@ -5,9 +5,9 @@
 
 #include "tests/support/program.h"
 #include "tools/lab/tradeoff/page/trade_page.h"
-#include "tools/scene/pictures/thumbnail.h"
 #include "tools/scene/chart/chart.h"
 #include "tools/scene/chart/template.h"
+#include "tools/scene/pictures/thumbnail.h"
 
 using namespace supple;
 using namespace supple::test;
