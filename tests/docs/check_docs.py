@@ -256,7 +256,7 @@ class Program:
         self.options = {}
         text = self._help([])
         listed = text.split("Subcommands:", 1)[1].split("\n\n", 1)[0] if "Subcommands:" in text else ""
-        self.subcommands = re.findall(r"^  (\w+)", listed, re.M)
+        self.subcommands = re.findall(r"^  ([\w-]+)", listed, re.M)
         self.own_options = option_names(text)
 
     def _help(self, arguments):

@@ -50,7 +50,9 @@ Command add_threshold(CLI::App& program);
 Command add_compare(CLI::App& program);
 Command add_stress(CLI::App& program);
 Command add_tradeoff(CLI::App& program);
+Command add_slicer_module(CLI::App& program);
 Command add_sweep(CLI::App& program);
+Command add_cohort(CLI::App& program);
 Command add_view(CLI::App& program);
 Command add_bench(CLI::App& program);
 

@@ -126,6 +126,7 @@ void Console::clear_line() {
 
 void Console::stage(std::string_view name) {
   m_times.begin(name);
+  m_filter.begin(std::string(name));
   clear_line();
   m_stage = name;
   m_stage_start = m_last_print = Clock::now();
@@ -135,6 +136,7 @@ void Console::stage(std::string_view name) {
 }
 
 void Console::update(double fraction) {
+  m_filter.update(fraction);
   const Clock::time_point now = Clock::now();
   const std::chrono::duration<double> least =
       m_has_terminal ? std::chrono::duration<double>(0.1) : m_line_every;

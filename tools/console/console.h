@@ -1,7 +1,7 @@
 // Output for people: warnings, notes and progress on stderr, results on stdout. Progress is a line
 // that changes on a terminal; elsewhere a line every ten seconds, or as many as the environment
-// variable SUPPLE_PROGRESS_SECONDS says. Also keeps the time of every stage, holds the names of
-// outputs and turns Ctrl-C into cancellation.
+// variable SUPPLE_PROGRESS_SECONDS says; for 3D Slicer as filter_progress.h has it. Also keeps the
+// time of every stage, holds the names of outputs and turns Ctrl-C into cancellation.
 #pragma once
 
 #include <atomic>
@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/console/filter_progress.h"
 #include "tools/scene/run/stage_times.h"
 #include "volumes/base/files.h"
 #include "volumes/base/progress.h"
@@ -77,6 +78,7 @@ class Console final : public Progress {
   std::string m_stage;
   Clock::time_point m_stage_start;
   StageTimes m_times;
+  FilterProgress m_filter;  // for 3D Slicer
   Clock::time_point m_last_print;
 };
 

@@ -79,6 +79,16 @@ std::string unknown_option(const CLI::App& app, const std::string& name) {
 
 }  // namespace
 
+std::string value_words(const CLI::Option& option) {
+  const std::string value = option.get_option_text();
+  const bool is_list = value.find('|') != std::string::npos &&
+                       value.find_first_of("[],:. ") == std::string::npos &&
+                       value.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") == std::string::npos;
+  std::string words = is_list ? value : "";
+  for (char& c : words) c = c == '|' ? ' ' : c;
+  return words;
+}
+
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string lines, word;
   std::size_t column = indent;

@@ -35,6 +35,9 @@ const CLI::App* find_command(const CLI::App& program, const std::string& name);
 /// The options of a command and of the program that are shown in help, in their order.
 std::vector<const CLI::Option*> shown_options(const CLI::App& app);
 
+/// "a b c" for an option that takes one of the words a|b|c; empty for other values.
+std::string value_words(const CLI::Option& option);
+
 /// "found 'infoo', expected info: did you mean 'info'?" and the like.
 std::string unknown_subcommand(const CLI::App& program, const std::string& name);
 

@@ -49,17 +49,6 @@ std::vector<const CLI::Option*> own_options(const CLI::App& app) {
   });
 }
 
-/// "a|b|c" of an option that takes one of these words; empty for other values.
-std::string words_of(const CLI::Option& option) {
-  const std::string value = option.get_option_text();
-  const bool is_list = value.find('|') != std::string::npos &&
-                       value.find_first_of("[],:. ") == std::string::npos &&
-                       value.find_first_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ") == std::string::npos;
-  std::string words = is_list ? value : "";
-  for (char& c : words) c = c == '|' ? ' ' : c;
-  return words;
-}
-
 /// Text within single quotes, in which `escapes` stand behind a backslash.
 std::string quoted(const std::string& text, const std::string& escapes, const char* quote) {
   std::string inside;
@@ -114,7 +103,7 @@ std::string bash_completion(const CLI::App& program) {
     cases += "    " + command->get_name() + ")\n      options=\"" + dashed_names(options) + "\"\n";
     std::string values;
     for (const CLI::Option* option : options) {
-      const std::string words = words_of(*option);
+      const std::string words = value_words(*option);
       if (words.empty()) continue;
       for (const std::string& name : option->get_lnames()) {
         values += "        --" + name + ") words=\"" + words + "\" ;;\n";
@@ -168,7 +157,7 @@ std::string zsh_completion(const CLI::App& program) {
     cases += "  " + command->get_name() + ")\n    options=(\n" + list_of(options) + "    )\n";
     std::string values;
     for (const CLI::Option* option : options) {
-      const std::string words = words_of(*option);
+      const std::string words = value_words(*option);
       if (words.empty()) continue;
       for (const std::string& name : option->get_lnames()) {
         values += "      --" + name + ") values=(" + words + ") ;;\n";
@@ -205,7 +194,7 @@ std::string fish_completion(const CLI::App& program) {
     std::string line = "complete -c supple -n " + for_fish(condition);
     for (const std::string& name : option.get_snames()) line += " -s " + name;
     for (const std::string& name : option.get_lnames()) line += " -l " + name;
-    const std::string words = words_of(option);
+    const std::string words = value_words(option);
     if (!words.empty()) {
       line += " -x -a " + for_fish(words);
     } else if (option.get_items_expected_max() > 0) {

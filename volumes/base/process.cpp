@@ -273,8 +273,9 @@ std::string complaint_of(const std::string& err) {
 }  // namespace
 
 ChildEnd run_child(const std::string& program, const std::vector<std::string>& arguments,
-                   const ProgramLimits& limits, const std::function<bool()>& cancelled) {
-  ChildEnd end{run_program(program, arguments, "", limits, cancelled), {}, {}};
+                   const ProgramLimits& limits, const std::function<bool()>& cancelled,
+                   const std::string& folder) {
+  ChildEnd end{run_program(program, arguments, folder, limits, cancelled), {}, {}};
   for (const std::string& line : lines_of(end.err, "supple: warning: ")) {
     end.warnings += (end.warnings.empty() ? "" : "; ") + line;
   }

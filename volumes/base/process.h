@@ -79,9 +79,11 @@ struct ChildEnd : ProgramEnd {
   std::string warnings;  // all lines of warnings, likewise, joined by "; "
 };
 
-/// Calls run_program() in the present folder and reads the complaints of a program like this one.
+/// Calls run_program() in a folder (empty: the present one) and reads the complaints of a program
+/// like this one.
 ChildEnd run_child(const std::string& program, const std::vector<std::string>& arguments,
-                   const ProgramLimits& limits, const std::function<bool()>& cancelled);
+                   const ProgramLimits& limits, const std::function<bool()>& cancelled,
+                   const std::string& folder = "");
 
 struct ChildBounds {
   std::int64_t bytes;     // memory beyond that of the process

@@ -7,6 +7,7 @@
 #include "tools/lab/tradeoff/page/trade_page.h"
 #include "tools/scene/chart/chart.h"
 #include "tools/scene/chart/template.h"
+#include "tools/scene/pictures/thumbnail.h"
 
 using namespace supple;
 using namespace supple::test;

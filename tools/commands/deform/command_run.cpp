@@ -20,9 +20,11 @@
 #include "tools/scene/run/run_report.h"
 #include "tools/scene/run/scene_files.h"
 #include "tools/scene/run/scene_run.h"
+#include "tools/scene/sweep/sweep_cases.h"
 #include "volumes/base/json.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/stopwatch.h"
+#include "volumes/base/toml.h"
 
 namespace supple::tools {
 
@@ -36,6 +38,7 @@ struct RunSceneOptions {
   bool resume = false;
   std::string frames;
   std::string method, drawing, state;
+  std::vector<std::string> set;
   FemStep fem;  // its accuracy, where that is given
   bool has_accuracy = false;
   MethodWanted wanted;
@@ -122,8 +125,15 @@ int run_operation(Table root, const RunSceneOptions& options, const GlobalOption
   return run_operation(std::move(root), command, global, console);
 }
 
+/// The scene's file with the values of --set.
+Table root_of(const RunSceneOptions& options) {
+  SweepCases values("--set");
+  for (const std::string& text : options.set) values.set(text);
+  return Table(values.scene_of(0, read_toml(options.scene), options.scene), options.scene);
+}
+
 int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Console& console) {
-  Table root = Table::read(options.scene);
+  Table root = root_of(options);
   if (is_operation(root)) return run_operation(std::move(root), options, given, console);
   Scene scene = read_scene(std::move(root));
   if (!options.method.empty()) solve_by(scene, parse_method(options.method));
@@ -210,6 +220,11 @@ Command add_run(CLI::App& program) {
   app->add_option("--drawing", options->drawing,
                   "How views are drawn in place of what they say, such as draw-newton:0.5")
       ->option_text("NAME:KNOB");
+  app->add_option("--set", options->set,
+                  "A key of the scene, such as step[2].fem.coarsen, and its value in place of what "
+                  "the scene says (docs/sweeps.md); repeat for several")
+      ->allow_extra_args(false)
+      ->option_text("KEY=VALUE");
   app->add_option("--state", options->state, "Also write the state, in place of the scene's")
       ->option_text("NAME.vdb");
   CLI::Option* dry_run =

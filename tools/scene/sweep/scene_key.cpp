@@ -66,9 +66,9 @@ const Value* find_at(const Value& root, ScenePlace::const_iterator begin,
   return at;
 }
 
-SceneKey::SceneKey(const std::string& text) : m_text(text) {
+SceneKey::SceneKey(const std::string& text, const std::string& option) : m_text(text) {
   const auto refuse = [&] {
-    throw UsageError(to_line({"", "--vary", "'" + text + "'", kPathExpected}));
+    throw UsageError(to_line({"", option, "'" + text + "'", kPathExpected}));
   };
   for (std::size_t at = 0;;) {
     const std::size_t end = add_part(at);
@@ -160,9 +160,15 @@ ScenePlace SceneKey::put(const End& end, const std::string& file, const Value& v
       throw InputError({file, name_until(n), "no " + m_parts[n].name, "a list of them"});
     }
     Value& child = (*at)[m_parts[n].name];
-    child = n + 1 < m_parts.size() ? Value(Value::Entries()) : value;
     at = &child;
     place.emplace_back(m_parts[n].name, 0);
+    const bool is_last = n + 1 == m_parts.size();
+    if (is_last && value.is_text() && child.is_table() && child.contains("path")) {
+      place.emplace_back("path", 0);
+      child["path"] = value;
+    } else {
+      child = is_last ? value : Value(Value::Entries());
+    }
   }
   return place;
 }

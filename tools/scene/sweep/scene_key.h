@@ -22,15 +22,16 @@ const Value* find_at(const Value& root, ScenePlace::const_iterator begin,
 /// counted from 1 as errors of scenes do, and with [NAME] for those of that `name`.
 class SceneKey {
  public:
-  /// Throws UsageError for a text that is no path.
-  explicit SceneKey(const std::string& text);
+  /// Throws UsageError, of `option`, for a text that is no path.
+  explicit SceneKey(const std::string& text, const std::string& option = "--vary");
 
   const std::string& text() const { return m_text; }
 
   /// Sets the value wherever the key is; where it is nowhere, in all tables that could have it,
   /// with the tables on the way: the reader of scenes then says whether it knows the key. `table =
   /// FILE` of a material is replaced by what is in the file. Returns the places that have the value
-  /// now. Throws InputError, of `scene_file`, for a table that is not there.
+  /// now. A text in place of a table with a `path`, as of [volume] and [labels], is that path.
+  /// Throws InputError, of `scene_file`, for a table that is not there.
   std::vector<ScenePlace> set(Value& root, const std::string& scene_file, const Value& value) const;
 
  private:

@@ -3,20 +3,14 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
-#include <memory>
 #include <new>
 
-#include "lib/state/state_source.h"
 #include "tools/scene/plan/memory_need.h"
 #include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/run_report.h"
 #include "volumes/base/error.h"
-#include "volumes/base/json.h"
 #include "volumes/base/memory.h"
-#include "volumes/base/sha256.h"
 #include "volumes/base/toml.h"
-#include "volumes/io/format/volume_file.h"
 
 namespace supple::tools {
 
@@ -66,10 +60,6 @@ std::string in_name(const std::string& text) {
   return name;
 }
 
-std::string digest_of_text(const std::string& text) {
-  return sha256_hex(text.data(), text.size()).substr(0, 32);
-}
-
 }  // namespace
 
 Sweep::Sweep(std::string scene_file, SweepCases cases, std::string pictures, Progress& progress)
@@ -77,6 +67,7 @@ Sweep::Sweep(std::string scene_file, SweepCases cases, std::string pictures, Pro
       m_cases(std::move(cases)),
       m_pictures(std::move(pictures)),
       m_root(read_toml(m_file)),
+      m_digests(m_file),
       m_each(m_cases.size()) {
   for (std::size_t n = 0; n < m_each.size(); ++n) {
     poll(&progress);
@@ -87,20 +78,20 @@ Sweep::Sweep(std::string scene_file, SweepCases cases, std::string pictures, Pro
   root.erase("view");
   std::set<std::string> inputs;
   try {
-    inputs = inputs_of(root);
+    inputs = m_digests.inputs_of(root);
   } catch (const Error&) {  // files that the cases name in place of those of the scene
   }
-  m_scene_digest = digest_of(root, inputs);
+  m_scene_digest = m_digests.digest_of(root, inputs);
 }
 
 void Sweep::read_case(std::size_t n, Progress& progress) {
   try {
     Value root = m_cases.scene_of(n, m_root, m_file);
     scene_of(n);
-    const std::set<std::string> inputs = inputs_of(root);
+    const std::set<std::string> inputs = m_digests.inputs_of(root);
     m_inputs.insert(inputs.begin(), inputs.end());
     if (m_pictures.empty()) root.erase("view");
-    m_each[n].digest = digest_of(root, inputs);
+    m_each[n].digest = m_digests.digest_of(root, inputs);
   } catch (const Cancelled&) {
     throw;
   } catch (const Error& error) {
@@ -141,59 +132,6 @@ std::string Sweep::label_of(std::size_t n) const {
   }
   if (is_whole && label.size() <= kLongestLabel) return label;
   return label.substr(0, kLongestLabel) + "_" + digest_of_text(m_cases.title(n)).substr(0, 8) + "_";
-}
-
-/// Files that the scene names, and those that its volumes are read from.
-std::set<std::string> Sweep::inputs_of(const Value& root) {
-  std::set<std::string> files;
-  Table table(root, m_file);
-  table.admit_inputs([&](const std::string& path) { files.insert(path); });
-  const Scene scene = read_scene(table);
-  add_volume(scene.volume_path, scene.read, files);
-  for (const std::string& path : {scene.labels_path, scene.warp_path}) {
-    if (!path.empty()) add_volume(path, {}, files);
-  }
-  return files;
-}
-
-void Sweep::add_volume(const std::string& path, const ReadOptions& read,
-                       std::set<std::string>& files) {
-  files.insert(path);
-  try {
-    if (const auto source = source_of_state_file(path)) {
-      add_volume(source->path, source->read, files);
-    } else {
-      for (const std::string& file : files_of(open_scalars_or_vectors(path, read)->header())) {
-        files.insert(file);
-      }
-    }
-  } catch (const Error&) {  // which the run will meet, too
-  }
-}
-
-const std::string& Sweep::digest_of_file(const std::string& path) {
-  const auto [known, is_new] = m_file_digests.try_emplace(path);
-  if (!is_new || !fs::is_regular_file(path)) return known->second;
-  Sha256 digest;
-  std::ifstream stream(path, std::ios::binary);
-  std::vector<char> bytes(std::size_t(1) << 20);
-  while (stream.read(bytes.data(), std::streamsize(bytes.size())) || stream.gcount() > 0) {
-    digest.update(bytes.data(), std::size_t(stream.gcount()));
-  }
-  return known->second = digest.hex();
-}
-
-/// Digest of all that the results of a scene depend on, wherever its folder lies.
-std::string Sweep::digest_of(const Value& root, const std::set<std::string>& inputs) {
-  const fs::path folder = fs::absolute(m_file).parent_path().lexically_normal();
-  std::set<std::pair<std::string, std::string>> files;
-  for (const std::string& path : inputs) {
-    const fs::path place = fs::absolute(path).lexically_normal().lexically_relative(folder);
-    files.insert({place.string(), digest_of_file(path)});
-  }
-  std::string all = json_text(root);
-  for (const auto& [place, digest] : files) all += "\n" + json_string(place) + " " + digest;
-  return digest_of_text(all);
 }
 
 bool Sweep::has_pictures(std::size_t n) const {

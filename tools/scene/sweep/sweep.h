@@ -2,13 +2,13 @@
 #pragma once
 
 #include <exception>
-#include <map>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "tools/scene/file/scene.h"
 #include "tools/scene/plan/scene_plan.h"
+#include "tools/scene/sweep/scene_digests.h"
 #include "tools/scene/sweep/sweep_cases.h"
 #include "tools/scene/sweep/sweep_journal.h"
 #include "volumes/base/progress.h"
@@ -56,10 +56,6 @@ class Sweep {
   Scene scene_of(std::size_t n) const;
   std::string label_of(std::size_t n) const;
   void read_case(std::size_t n, Progress& progress);
-  std::string digest_of(const Value& root, const std::set<std::string>& inputs);
-  std::set<std::string> inputs_of(const Value& root);
-  void add_volume(const std::string& path, const ReadOptions& read, std::set<std::string>& files);
-  const std::string& digest_of_file(const std::string& path);
   bool has_pictures(std::size_t n) const;
   bool is_of_picture(const std::string& error, std::size_t n) const;
 
@@ -70,10 +66,10 @@ class Sweep {
   SweepCases m_cases;
   std::string m_pictures;
   Value m_root;
+  SceneDigests m_digests;
   std::string m_scene_digest;
   std::vector<Case> m_each;
   std::set<std::string> m_inputs;
-  std::map<std::string, std::string> m_file_digests;
 };
 
 }  // namespace supple::tools

@@ -1,6 +1,7 @@
 #include "tools/scene/sweep/sweep_cases.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 
 #include "volumes/base/csv.h"
@@ -46,6 +47,25 @@ std::vector<std::string> parted(const std::string& text) {
   return parts;
 }
 
+/// The name of a case, by which its files will be called. `others`: those before it.
+std::string case_name(const std::string& field, const std::vector<std::string>& others,
+                      const std::string& place) {
+  constexpr std::size_t kLongest = 100;
+  const std::string name = trimmed(field);
+  const auto fits = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c >= 0x80 || c == '-' || c == '_' || c == '.';
+  };
+  if (name.empty() || name.front() == '.' || name.size() > kLongest ||
+      !std::all_of(name.begin(), name.end(), fits)) {
+    throw InputError({place, "name", "'" + name + "'",
+                      "letters, digits and - _ . within, as it becomes the name of a folder"});
+  }
+  if (std::find(others.begin(), others.end(), name) != others.end()) {
+    throw InputError({place, "name", "'" + name + "' again", "each name once"});
+  }
+  return name;
+}
+
 /// A value that a key has set at one of its places.
 struct SetValue {
   std::size_t key;
@@ -70,7 +90,7 @@ bool agree(const SetValue& earlier, const SetValue& later) {
 
 }  // namespace
 
-SweptValue parse_swept(const std::string& given) {
+SweptValue parse_swept(const std::string& given, const std::string& option) {
   const std::string text = trimmed(given);
   try {
     const Value root = parse_toml("v = [" + text + "]", "");
@@ -85,7 +105,7 @@ SweptValue parse_swept(const std::string& given) {
   if (!text.empty() && std::string("[{\"'").find(text.front()) == std::string::npos) {
     return {text, text};
   }
-  throw UsageError(to_line({"", "--vary", "'" + given + "'", "a value as scenes have it"}));
+  throw UsageError(to_line({"", option, "'" + given + "'", "a value as scenes have it"}));
 }
 
 std::vector<SweptValue> parse_swept_list(const std::string& text) {
@@ -94,11 +114,31 @@ std::vector<SweptValue> parse_swept_list(const std::string& text) {
   return values;
 }
 
+namespace {
+
+/// The values of a line; none for an empty field.
+std::vector<std::optional<SweptValue>> row_of(const std::vector<std::string>& fields,
+                                              const std::string& place) {
+  std::vector<std::optional<SweptValue>> row;
+  for (const std::string& field : fields) {
+    row.emplace_back();
+    if (trimmed(field).empty()) continue;
+    try {
+      row.back() = parse_swept(field);
+    } catch (const UsageError&) {
+      throw InputError({place, "", "'" + field + "'", "a value as scenes have it"});
+    }
+  }
+  return row;
+}
+
+}  // namespace
+
 void SweepCases::add_key(const std::string& text) {
-  m_keys.emplace_back(text);
+  m_keys.emplace_back(text, m_option);
   for (std::size_t n = 0; n + 1 < m_keys.size(); ++n) {
     if (m_keys[n].text() != text) continue;
-    throw UsageError(to_line({"", "--vary", "'" + text + "' twice", "each key once"}));
+    throw UsageError(to_line({"", m_option, "'" + text + "' twice", "each key once"}));
   }
 }
 
@@ -118,57 +158,76 @@ void SweepCases::multiply(const std::vector<Row>& rows) {
   m_rows = std::move(all);
 }
 
-void SweepCases::vary(const std::string& text) {
+/// Adds the key of KEY=REST; returns the rest.
+std::string SweepCases::take_key(const std::string& text, const char* expected) {
   // A quoted key may hold the sign.
   std::size_t sign = 0;
   for (bool is_quoted = false; sign < text.size() && (is_quoted || text[sign] != '='); ++sign) {
     if (text[sign] == '"') is_quoted = !is_quoted;
   }
   if (sign == text.size()) {
-    throw UsageError(to_line({"", "--vary", "'" + text + "'", "KEY=A,B,C"}));
+    throw UsageError(to_line({"", m_option, "'" + text + "'", expected}));
   }
   add_key(trimmed(text.substr(0, sign)));
+  return text.substr(sign + 1);
+}
+
+void SweepCases::vary(const std::string& text) {
   std::vector<Row> rows;
-  for (SweptValue& value : parse_swept_list(text.substr(sign + 1))) {
+  for (SweptValue& value : parse_swept_list(take_key(text, "KEY=A,B,C"))) {
     rows.push_back({std::move(value)});
   }
   multiply(rows);
 }
 
-void SweepCases::add_file(const std::string& path) {
+void SweepCases::set(const std::string& text) {
+  multiply({{parse_swept(take_key(text, "KEY=VALUE"), m_option)}});
+}
+
+/// Adds the keys of a first line. Returns the place of the column of names among them, or behind
+/// them where none is wanted.
+std::size_t SweepCases::add_head(const std::vector<std::string>& head, bool has_names,
+                                 const std::string& path) {
+  std::size_t name_column = head.size();
+  for (std::size_t c = 0; c < head.size(); ++c) {
+    if (has_names && name_column == head.size() && trimmed(head[c]) == "name") {
+      name_column = c;
+      continue;
+    }
+    try {
+      add_key(trimmed(head[c]));
+    } catch (const UsageError&) {
+      throw InputError({path + ":1", "", "'" + head[c] + "'", "keys of the scene, each once"});
+    }
+  }
+  if (has_names && name_column == head.size()) {
+    throw InputError({path + ":1", "", "no column 'name'", "one, beside keys of the scene"});
+  }
+  return name_column;
+}
+
+void SweepCases::add_file(const std::string& path, std::vector<std::string>* names) {
   std::string text = text_of_input(path);
   if (text.empty()) throw InputError({path, "", "an empty file", "keys, and a line per case"});
   if (text.rfind("\xEF\xBB\xBF", 0) == 0) text.erase(0, 3);
   std::size_t at = 0;
   const std::vector<std::string> head = take_csv_line(text, at);
-  for (const std::string& key : head) {
-    try {
-      add_key(trimmed(key));
-    } catch (const UsageError&) {
-      throw InputError({path + ":1", "", "'" + key + "'", "keys of the scene, each once"});
-    }
-  }
+  const std::size_t name_column = add_head(head, names != nullptr, path);
   std::vector<Row> rows;
   while (at < text.size()) {
     const auto ends = std::count(text.begin(), text.begin() + std::ptrdiff_t(at), '\n');
-    const std::vector<std::string> fields = take_csv_line(text, at);
+    std::vector<std::string> fields = take_csv_line(text, at);
     if (fields.size() == 1 && trimmed(fields.front()).empty()) continue;
     const std::string place = path + ":" + std::to_string(ends + 1);
     if (fields.size() != head.size()) {
       throw InputError({place, "", with_count(std::int64_t(fields.size()), "value"),
                         with_count(std::int64_t(head.size()), "key") + " as the first line has"});
     }
-    Row row;
-    for (const std::string& field : fields) {
-      row.emplace_back();
-      if (trimmed(field).empty()) continue;
-      try {
-        row.back() = parse_swept(field);
-      } catch (const UsageError&) {
-        throw InputError({place, "", "'" + field + "'", "a value as scenes have it"});
-      }
+    if (names != nullptr) {
+      names->push_back(case_name(fields[name_column], *names, place));
+      fields.erase(fields.begin() + std::ptrdiff_t(name_column));
     }
-    rows.push_back(std::move(row));
+    rows.push_back(row_of(fields, place));
   }
   if (rows.empty()) throw InputError({path, "", "no line below its keys", "a line per case"});
   multiply(rows);

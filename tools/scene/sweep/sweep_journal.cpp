@@ -7,22 +7,18 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "tools/scene/sweep/scene_digests.h"
 #include "volumes/base/atomic_file.h"
 #include "volumes/base/error.h"
 #include "volumes/base/files.h"
 #include "volumes/base/json.h"
 #include "volumes/base/toml.h"
-#include "volumes/base/version.h"
 
 namespace supple::tools {
 
 namespace {
 
 constexpr const char* kKind = "cases of supple sweep";
-
-std::string program() {
-  return std::string("supple ") + kVersion;
-}
 
 /// True for a file that ended within its first line, or before it, and so has no case.
 bool is_torn_head(const std::string& text) {
@@ -70,9 +66,9 @@ void SweepJournal::read(const std::string& text, bool anew) {
       refuse("cases of another scene, or of files of it that have changed",
              "those of this one; --anew runs all cases again");
     }
-    if (line["program"] != Value(program())) {
+    if (line["program"] != Value(program_of_results())) {
       refuse("cases run by " + shown_text(line["program"]),
-             program() + "; --anew runs all cases again");
+             program_of_results() + "; --anew runs all cases again");
     }
   }
   m_whole_bytes = at;
@@ -102,7 +98,7 @@ void SweepJournal::add(const std::string& case_digest, const Value& report) {
     if (m_file < 0) throw_write_error(m_path, errno);
     if (::ftruncate(m_file, off_t(m_whole_bytes)) != 0) throw_write_error(m_path, errno);
     if (m_whole_bytes == 0) {
-      append({{"file", kKind}, {"program", program()}, {"scene", m_scene_digest}});
+      append({{"file", kKind}, {"program", program_of_results()}, {"scene", m_scene_digest}});
     }
   }
   append({{"case", case_digest}, {"report", report}});

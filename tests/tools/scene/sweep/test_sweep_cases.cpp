@@ -65,6 +65,15 @@ TEST(UnitSceneKey, AKeyThatIsNowhereGoesWhereverItCouldBe) {
             std::string::npos);
 }
 
+TEST(UnitSceneKey, ATextInPlaceOfATableWithAPathIsThatPath) {
+  Value root = parse_toml("[volume]\npath = \"a.nrrd\"\nchannel = 1\n", "");
+  SceneKey("volume").set(root, "s.toml", "b.nrrd");
+  EXPECT_EQ(json_text(root), R"({"volume":{"channel":1,"path":"b.nrrd"}})");
+  SceneKey("volume").set(root, "s.toml", parse_swept("{ path = 'c' }").value);
+  SceneKey("labels").set(root, "s.toml", "l.nrrd");
+  EXPECT_EQ(json_text(root), R"({"labels":"l.nrrd","volume":{"path":"c"}})");
+}
+
 TEST(UnitSceneKey, ATableThatIsNotThereIsNamed) {
   const auto error = [](const std::string& key) {
     return input_error([&] { steps_with(key, 1); });

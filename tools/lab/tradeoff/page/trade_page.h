@@ -2,28 +2,14 @@
 // and its diagrams as files of their own.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "raycast/pictures/image.h"
 #include "tools/lab/tradeoff/trade_runs.h"
 
 namespace supple::tools {
-
-// Small pictures of what rows drew, inside the page.
-
-/// Pixels on the longer side.
-constexpr int kThumbnailPixels = 160;
-
-/// Opaque, on white, at most so many pixels wide and high: each pixel is the mean of the area that
-/// it covers. Smaller pictures keep their size.
-Image shrunk(const Image& image, int most);
-
-/// The small picture of a file; none where there is no file, or one that is no PNG.
-std::optional<Image> thumbnail_of(const std::string& picture);
 
 /// Scenes, rows, fronts and tables; fields as docs/tradeoff.md lists them.
 nlohmann::ordered_json to_json(const TradeResults& results);
