@@ -9,8 +9,11 @@
 // double, so that r stays f - K u. 32 bytes per unknown, and 8 where forces act.
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <vector>
 
+#include "lib/fem/error_estimate.h"
 #include "lib/fem/nodal_loads.h"
 #include "lib/fem/node_vectors.h"
 #include "lib/fem/operator.h"
@@ -24,6 +27,9 @@ struct CgLimits {
   double tolerance = 1e-6;  // of ResidualSize
   double reaction_tolerance = 1e-5;
   int max_iterations = 400;
+  /// Of the estimate beside them (error_estimate.h); infinite: it is only told; 0: there is none.
+  double error_mm = 0;
+  double ritz_value = 1;   // the smallest that is known of the same system, for the estimate
   double residual_mn = 0;  // or with the largest residual at most so large
   /// K may have directions of negative curvature, at the first of which iterations end (Steihaug
   /// 1983); where that is the very first one, u goes along it as if the curvature were positive.
@@ -42,6 +48,9 @@ class ConjugateGradients {
 
   int iterations() const { return m_iterations; }
   const ResidualSize& size() const { return m_size; }
+  /// Estimated error that is left; none where the limits ask for no estimate.
+  std::optional<double> error_mm() const;
+  double ritz_value() const { return m_error ? m_error->ritz_value() : m_limits.ritz_value; }
   const std::vector<double>& u() const { return m_u; }
   const std::vector<double>& residual() const { return m_r; }
   std::vector<double> take_u() { return std::move(m_u); }
@@ -67,6 +76,10 @@ class ConjugateGradients {
   /// p.
   SharedVectors m_shared;
   double m_p_q = 0;
+  std::optional<ErrorEstimate> m_error;
+  double m_first_error_mm = 0;
+  double m_scale = 1;  // of the forces whose B r is the direction
+  CgStep m_step;       // the last one, of forces that are not scaled
 };
 
 }  // namespace supple

@@ -5,6 +5,7 @@
 
 #include "lib/fem/fem_solution.h"
 #include "lib/fem/response/response_field.h"
+#include "lib/session/fem_limits.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/handles/handle_motion.h"
 #include "volumes/base/units.h"
@@ -88,6 +89,9 @@ LiveResponses::LiveResponses(const SessionBody& in, const Step& grab,
                       "one handle under finite elements"});
   }
   m_step = *grab.fem;
+  const Vec3d edges_mm = m_body.geometry.spacing_mm();
+  m_step.params =
+      solved_params(m_step, !m_labels.empty(), std::min({edges_mm.x, edges_mm.y, edges_mm.z}));
   const std::string reason = why_no_sum(m_step.params);
   if (!reason.empty()) throw InputError({"", "responses", reason, "linear equilibria of voxels"});
   if (in.responses && m_step.params.elements.touching == Touching::apart) {
@@ -227,8 +231,10 @@ void LiveResponses::run(Progress* progress) {
     FemParams params = m_step.params;
     params.doublings = doublings;
     if (!is_last) {
-      params.tolerance = std::max(params.tolerance, kRough);
-      params.reaction_tolerance = std::max(params.reaction_tolerance, kRough);
+      const bool has_limit = params.tolerance.has_value();
+      params.tolerance = has_limit ? std::max(*params.tolerance, kRough) : kRough;
+      params.reaction_tolerance = std::max(params.reaction_limit(), kRough);
+      params.error_mm.reset();
     }
     std::vector<NodalSolution> solutions = solid.solve_beside(all, params, progress);
     std::shared_ptr<Level> found = level_of(model, all, solutions, before.get());

@@ -36,8 +36,6 @@ void read_loads(Table& table, const LabelNames& names, FemStep& fem) {
 
 FemStep read_fem(Table& table, const LabelNames& names) {
   FemStep fem;
-  table.read({accuracy_field(fem)});
-  fem.params.set_accuracy(fem.params.accuracy);
   table.read(fields(fem));
   read_loads(table, names, fem);
   if (auto modes = table.table("modes")) {
