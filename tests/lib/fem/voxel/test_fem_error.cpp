@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "lib/fem/error_estimate.h"
+#include "lib/fem/response/response_set.h"
 #include "tests/lib/fem_fixtures.h"
 #include "volumes/base/parallel.h"
 
@@ -115,6 +116,45 @@ TEST(PropertyFemError, SoItIsWhereTissueIsAThousandToAMillionTimesAsStiffAndHasG
   }
   EXPECT_LE(20 * found.beyond, found.solutions);
   EXPECT_LT(found.iterations, found.iterations_to_rounding);
+}
+
+TEST(PropertyFemError, SumsOfSolutionsKeepItHoweverFarAMotionGoes) {
+  std::mt19937 random(25);
+  constexpr double kError = 0.02;
+  int beyond = 0, poses = 0, sums = 0, further = 0, iterations = 0, alone = 0;
+  for (int round = 0; round < 3; ++round) {
+    StiffBlocks made = stiff_blocks(random, 0.5, 2);
+    const FemModel model(made.body, made.elastic);
+    const HeldBits held = held_bits(model.mesh(), made.loads.held);
+    ResponseSet known, exactly;
+    for (int pose = 1; pose <= 12; ++pose) {  // from a hundredth of a mm to 16, and another way
+      const Vec3d by_mm(0, pose > 6 ? 0.5 * pose : 0, std::ldexp(1, pose - 8));
+      made.loads.held.back().displacement_mm = [=](const Vec3d&) { return by_mm; };
+      const FemSolution sum = model.solve_by(known, made.loads, to_error(kError));
+      const FemSolution exact = model.solve_by(exactly, made.loads, to_rounding());
+      ASSERT_TRUE(sum.report.error_mm.has_value());
+      EXPECT_LE(*sum.report.error_mm, kError);
+      const double left_mm = percentile_95(sum.u_mm, exact.u_mm, held);
+      EXPECT_LE(left_mm, 2 * *sum.report.error_mm) << round << " " << pose;
+      beyond += left_mm > *sum.report.error_mm;
+      double force_n = 0, off_n = 0;
+      for (std::size_t n = 0; n < exact.reactions.size(); ++n) {
+        force_n = std::max(force_n, exact.reactions[n].force_n.length());
+        off_n = std::max(off_n, (sum.reactions[n].force_n - exact.reactions[n].force_n).length());
+      }
+      EXPECT_LE(off_n, 5 * to_error(kError).reaction_limit() * force_n) << round << " " << pose;
+      poses += 1;
+      sums += sum.report.responses->solved == 0;
+      further += sum.report.responses->solved == 0 && sum.report.iterations > 0;
+      iterations += sum.report.iterations;
+      alone += model.solve(made.loads, to_error(kError)).report.iterations;
+    }
+    EXPECT_EQ(known.size(), 2u);
+  }
+  EXPECT_LE(20 * beyond, poses);
+  EXPECT_EQ(sums, poses - 2 * 3);
+  EXPECT_GT(further, 0);
+  EXPECT_LT(iterations, alone);
 }
 
 TEST(PropertyFemError, BesideAToleranceBothHold) {
