@@ -31,7 +31,7 @@ struct CgLimits {
   /// K may have directions of negative curvature, at the first of which iterations end (Steihaug
   /// 1983); where that is the very first one, u goes along it as if the curvature were positive.
   bool may_be_indefinite = false;
-  /// Of the estimate beside them (error_estimate.h); infinite: it is only told; 0: there is none.
+  /// The estimate ends them, too (error_estimate.h); infinite: it is only told; 0: there is none.
   double error_mm = 0;
   double ritz_value = 1;  // for the estimate, the smallest that is known of the same system
   double contrast = 1;    // for the estimate, of the stiffness of what can move

@@ -10,13 +10,13 @@ namespace {
 
 constexpr std::size_t kSampleNodes = 2000;
 constexpr double kPercentile = 0.95;
-/// Found by the bodies of rows `error` of `supple-lab bench fem`.
+/// Factor and power were found by the bodies of rows `error` of `supple-lab bench fem`.
 constexpr double kErrorFactor = 2.5, kRitzPower = 0.4;
-/// Of iterations that converge slowest, whose smallest Ritz value is found last.
+/// Iterations that converge slowest find their smallest Ritz value last.
 constexpr double kSlowRitzValue = 1e-3, kSlowRitzPower = 0.3;
-/// Of stiffness, whose stiff pieces may have motions that are still hidden.
+/// Contrasts of stiffness whose stiff pieces may have motions that are still hidden.
 constexpr double kHidingContrast = 100, kContrastPower = 0.25;
-/// Of the first step, after which nothing is known of how steps converge.
+/// The first step counts for more, since nothing is known of how steps converge.
 constexpr double kFirstFactor = 3;
 constexpr double kUnknownError = std::numeric_limits<double>::infinity();
 
@@ -90,7 +90,7 @@ std::size_t ErrorEstimate::bytes() const {
          m_steps.capacity() * sizeof(CgStep);
 }
 
-/// By bisection: as many pivots of T - x are negative as eigenvalues are below x.
+/// Bisects: as many pivots of T - x are negative as eigenvalues are below x.
 double smallest_ritz_value(const std::vector<CgStep>& steps) {
   std::vector<double> diagonal, square_beside;  // of T; the latter in front of each
   double most = std::numeric_limits<double>::infinity();

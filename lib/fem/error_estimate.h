@@ -39,9 +39,9 @@ struct CgStep {
 
 class ErrorEstimate {
  public:
-  /// Chooses the sample among nodes of which a component is free. `contrast`: of stiffness, at
-  /// least
-  /// 1. `ritz_value`: the smallest that earlier iterations with the same matrix have seen.
+  /// Chooses the sample among nodes of which a component is free. `contrast`: the largest stiffness
+  /// by the smallest. `ritz_value`: the smallest that earlier iterations with the same matrix have
+  /// seen.
   ErrorEstimate(const HeldBits& held, double contrast, double ritz_value);
 
   /// Takes the displacements in mm, three per node, at the start of steps that know nothing of

@@ -106,8 +106,8 @@ enum class EquationSolver { multigrid, calculix, calculix_iterative, dolfinx };
 enum class FemAccuracy { voxel, exact, picture };
 constexpr double kPictureTolerance = 0.1;  // of residual and reactions
 constexpr double kExactTolerance = 1e-6, kExactReactions = 1e-5;
-/// Beside an error; while reactions change by more, displacements are still to come that their
-/// changes do not tell of (error_estimate.h).
+/// Reactions beside an error: while they change by more, displacements are still to come that their
+/// own changes do not tell of (error_estimate.h).
 constexpr double kReactionsBesideError = 0.02;
 
 struct FemParams {
@@ -121,7 +121,7 @@ struct FemParams {
   /// counts for nothing and reactions count kReactionsBesideError; otherwise these are what
   /// `accuracy` stands for.
   std::optional<double> tolerance, reaction_tolerance;
-  /// For voxels in linear theory by the own solver.
+  /// The error is for voxels in linear theory by the own solver.
   std::optional<double> error_mm;
   int max_iterations = 400;  // of each linear system
   /// Elements of 2^doublings voxels in each direction (coarse_elements.h); in linear theory.

@@ -23,7 +23,7 @@
 
 namespace supple {
 
-/// What is known of a solution beside itself.
+/// Measures of a solution that are known beside itself.
 struct SolvedTo {
   double seen_mn = 0;             // ResidualSize::seen_mn
   double error_mm = 0;            // that is left of displacements by the estimate; 0: none was made
@@ -75,7 +75,7 @@ class ResponseSet {
   /// The largest force of a node that the solutions of a sum have seen, and what they leave at the
   /// most together: the sum of |c_i| times that of each.
   SolvedTo solved_to(const ResponseParts& parts) const;
-  /// Of the base, `n` = -1, or of a response: what its term leaves of the sum.
+  /// Returns the error that the term of the base, `n` = -1, or of a response leaves in the sum.
   double error_mm(const ResponseParts& parts, int n) const;
 
   /// A solution without forces joins the set, less what the set has of it: nothing where that is

@@ -23,7 +23,7 @@ namespace {
 constexpr double kRoundedVoxels = 2.0 / (1 << 16);
 /// A sum may leave so many tolerances: each of its terms has one.
 constexpr double kSumTolerances = 2;
-/// Beside an error, solutions that others may be sums of are solved to this part of it, so that a
+/// Solutions that others may be sums of are solved to this part of the error that is asked for: a
 /// motion may grow and have several directions before they have to be solved further.
 constexpr double kErrorShare = 1.0 / 16;
 
@@ -73,7 +73,7 @@ bool is_at_rest(const NodalLoads& loads) {
          std::all_of(loads.u_mm.begin(), loads.u_mm.end(), [](double u_mm) { return u_mm == 0; });
 }
 
-/// What a solution with these limits has left.
+/// Measures of what a solution with these limits has left.
 SolvedTo solved_to(const FemSolution& solution, double seen_mn, const FemParams& params) {
   const bool is_to_error = params.error_mm.has_value();
   return {seen_mn, is_to_error ? solution.report.error_mm.value_or(0) : 0,
