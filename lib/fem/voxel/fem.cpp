@@ -7,7 +7,6 @@
 #include "lib/fem/peers/calculix.h"
 #include "lib/fem/peers/dolfinx.h"
 #include "lib/fem/voxel/coarse_elements.h"
-#include "lib/fem/voxel/contrast.h"
 #include "lib/fem/voxel/fem_results.h"
 #include "lib/fem/voxel/hinges.h"
 #include "lib/fem/voxel/loose_islands.h"

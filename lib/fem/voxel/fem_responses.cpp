@@ -6,7 +6,6 @@
 #include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/response/response_set.h"
 #include "lib/fem/voxel/coarse_elements.h"
-#include "lib/fem/voxel/contrast.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_results.h"
 #include "lib/fem/voxel/hex_operator.h"
