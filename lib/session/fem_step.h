@@ -55,6 +55,7 @@ struct FemStep {
   /// found already.
   std::vector<Vec3d> directions;
   std::shared_ptr<const FemResponses> responses;
+  int hand_levels = 0;  // the body is as a hand has it that so many levels of responses follow
   std::shared_ptr<TetStep> tets;  // tetrahedra instead of voxels, in equilibrium
 };
 

@@ -29,7 +29,7 @@ constexpr double kRough = 1e-1;
 struct LevelKind {
   int doublings, iterations;
 };
-constexpr LevelKind kLevels[] = {{3, 100}, {0, 2}, {0, 3}, {0, 5}, {0, 11}, {0, 0}};
+constexpr LevelKind kLevels[kAllLevels] = {{3, 100}, {0, 2}, {0, 3}, {0, 5}, {0, 11}, {0, 0}};
 /// Directions that are shorter than this part of their target are no directions of their own.
 constexpr double kLeastPart = 1e-6;
 /// Places are rounded to 2^-16 voxel: what a direction asks less than this is no motion.
@@ -223,7 +223,7 @@ std::shared_ptr<LiveResponses::Level> LiveResponses::level_of(
   return level;
 }
 
-void LiveResponses::run(Progress* progress, std::shared_ptr<KeptVoxels> ahead) {
+void LiveResponses::run(Progress* progress, std::shared_ptr<KeptVoxels> ahead, int levels) {
   std::shared_ptr<const FemResponses> none;
   const FemTask task{{m_body, m_anchors, m_holds},
                      m_cuts,
@@ -251,6 +251,7 @@ void LiveResponses::run(Progress* progress, std::shared_ptr<KeptVoxels> ahead) {
   std::shared_ptr<const Level> before;
   for (const auto& [doublings, iterations] : kLevels) {
     if (doublings > deepest) continue;
+    if (ready() >= levels) return;
     const bool is_last = iterations == 0;
     FemParams params = m_step.params;
     params.doublings = doublings;

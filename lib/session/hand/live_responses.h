@@ -28,6 +28,9 @@
 
 namespace supple {
 
+/// No body has more levels.
+constexpr int kAllLevels = 6;
+
 /// A target of the hand in the responses of a level.
 struct LivePose {
   int level = -1;      // of those that are there, from 0; -1: none is yet
@@ -48,9 +51,10 @@ class LiveResponses {
   LiveResponses(const SessionBody& in, const Step& grab, std::vector<DragPose> directions);
   ~LiveResponses();
 
-  /// Finds all levels. `ahead`: the solid, where somebody has made it; null: not. Throws
-  /// NotConverged, Cancelled: what is there stays.
-  void run(Progress* progress, std::shared_ptr<KeptVoxels> ahead = nullptr);
+  /// Finds all levels, or the first ones. `ahead`: the solid, where somebody has made it; null:
+  /// not. Throws NotConverged, Cancelled: what is there stays.
+  void run(Progress* progress, std::shared_ptr<KeptVoxels> ahead = nullptr,
+           int levels = kAllLevels);
 
   std::size_t elements() const { return std::size_t(m_body.elements.active_count()); }
   /// The number of levels that are there, and whether the last one is.

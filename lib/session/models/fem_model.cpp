@@ -10,6 +10,7 @@
 #include "lib/session/fem_limits.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/file/fem_keys.h"
+#include "lib/session/hand/hand_level.h"
 #include "lib/session/hand/live_responses.h"
 #include "lib/session/models/drags.h"
 #include "lib/session/step_warnings.h"
@@ -32,6 +33,7 @@ std::shared_ptr<const FemResponses> responses_of(const ModelTask& task) {
 /// Equilibria know no contact: free pieces are kept out of others, and what sides of cuts do is
 /// told.
 void run_elements(const ModelTask& task) {
+  if (task.record.fem->hand_levels > 0) return move_to_hand_level(task);
   SessionBody& in = task.in;
   StepRecord& record = task.record;
   const Vec3d edges_mm = in.body.geometry.spacing_mm();
@@ -109,6 +111,12 @@ void by_coarse_fem(Step& step, double doublings) {
   step.fem->params.doublings = int(doublings);
 }
 
+/// The body of a hand that finite elements follow, once so many levels are there.
+void by_hand(Step& step, double levels) {
+  by_fem(step, kFineTolerance);
+  step.fem->hand_levels = int(levels);
+}
+
 /// Solves the same elements, but for their dilatation, by another program.
 void by_calculix(Step& step, double solver) {
   by_fem(step, kFineTolerance);
@@ -159,6 +167,15 @@ StepModel fem_model() {
         doublings},
        0,
        by_coarse_fem},
+      {{"fem-live",
+        "finite elements under the hand",
+        "levels",
+        1,
+        kAllLevels,
+        true,
+        {1, 2, 3, 4, 5, 6}},
+       0,
+       by_hand},
       {{"fem-fine", "elements of parts of a voxel", "halvings", 1, kMostHalvings, true, {1}},
        0,
        by_fine_fem},

@@ -4,6 +4,7 @@
 
 #include "lib/body/slot_set.h"
 #include "lib/session/kept_voxels.h"
+#include "raycast/pictures/compare.h"
 #include "tests/support/program.h"
 #include "tools/console/console.h"
 #include "tools/scene/file/view.h"
@@ -231,4 +232,24 @@ TEST_F(UnitHandLead, TheLoopDrawsLevelsAsTheyComeAndEndsTheStroke) {
   EXPECT_GT(watcher.pictures, 2);  // of the event, and of levels
   EXPECT_EQ(live->history().done.size(), 2u);
   EXPECT_EQ(replayed(live->journal()), hash(*live));
+}
+
+TEST_F(UnitHandLead, AFilmShowsTheLastLevelWheneverTheHandRests) {
+  Console console{GlobalOptions()};
+  std::string text = "[volume]\npath = \"" + (m_folder / "ball.nhdr") + "\"\n";
+  for (const std::string& keys : std::vector<std::string>{
+           kFloor, kUnderHand, kGrab, drag_to("[3, 0, 1]"), "kind = \"release\""}) {
+    text += "[[event]]\nat = " + std::to_string(text.size()) + "\n" + keys + "\n";
+  }
+  ReplayOptions options;
+  options.size = {96, 96};
+  Replay replay(Table::parse(text, "film"), options, console, console);
+  std::vector<Image> pictures;
+  replay.film([&](const Image& image) {
+    if (pictures.empty() || image.rgba != pictures.back().rgba) pictures.push_back(image);
+  });
+  ASSERT_GE(pictures.size(), 2u);
+  EXPECT_GT(compare(pictures.back(), pictures.front(), true).rmse, 0.01);
+  // Places under the hand and in the body may round differently.
+  EXPECT_LT(compare(pictures[1], pictures.back(), true).rmse, 1e-3);
 }

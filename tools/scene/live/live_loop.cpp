@@ -236,6 +236,13 @@ bool LiveLoop::follow() {
   return m_picture.follow(m_shows_lead ? lead->shape() : nullptr);
 }
 
+void LiveLoop::wait_for_lead() {
+  const HandLead* const lead = m_live.lead();
+  if (lead == nullptr) return;
+  for (; lead->is_finding(); std::this_thread::sleep_for(kLook)) poll(&m_listener);
+  for (; lead->is_changing(); std::this_thread::sleep_for(kLook)) draw(Stopwatch());
+}
+
 /// Draws nothing where nothing has changed. Time in a slice is not at the picture's expense.
 void LiveLoop::draw(const Stopwatch& since_event) {
   const Stopwatch preparing;

@@ -71,6 +71,8 @@ class LiveLoop {
   void show(const LiveEvent& event, std::chrono::steady_clock::time_point posted);
   /// Does a slice of what is still to be done and draws its first pixels.
   void go_on() { go_on(nullptr); }
+  /// Waits until all finite elements under the hand are there, and shows them.
+  void wait_for_lead();
   /// A step towards the settled picture; false when there is nothing left to do.
   bool refine();
   /// Sets another size or pose; the next run() draws it.

@@ -172,6 +172,7 @@ void Replay::film(const std::function<void(const Image&)>& add) {
     if (n > 0) m_loop.show(m_live.events()[n - 1], std::chrono::steady_clock::now());
     while (m_live.has_more()) m_loop.go_on();
     if (frames[n] == 0) continue;
+    m_loop.wait_for_lead();
     while (m_loop.refine()) poll(&m_progress);
     for (int shown = 0; shown < frames[n]; ++shown) add(*settled());
   }

@@ -302,3 +302,33 @@ TEST_F(UnitLiveResponses, LevelsComeNearerToTheLastAndACancelledRunKeepsWhatItHa
   EXPECT_GE(told.error_mm, double(errors[errors.size() * 95 / 100]));
   EXPECT_LE(told.error_mm, double(largest));
 }
+
+TEST_F(UnitLiveResponses, AStepCanBeWhatAHandHasAtOneOfTheLevels) {
+  const auto path = m_folder / "block.nhdr";
+  for (const double angle_deg : {0.0, 5.0}) {
+    Step step = moved({0.6, 0, 1}, angle_deg);
+    Session solved(path, m_options);
+    solved.step(step);
+    std::vector<double> apart;
+    std::array<std::int64_t, 3> bone{};
+    for (int level = 1; level <= kAllLevels; ++level) {
+      step.fem->hand_levels = level;
+      Session session(path, m_options);
+      session.step(step);
+      apart.push_back(largest_difference(session.body(), solved.body()) / double(kFixedOne));
+      bone = session.body().rigid.list[0].pose.shift_q;
+      EXPECT_TRUE(session.undo());
+    }
+    EXPECT_GT(apart.front(), 0.02) << angle_deg;
+    EXPECT_LT(apart[2], apart[0]);
+    EXPECT_LE(apart.back(), 0.02) << angle_deg;
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(double(bone[c]), double(solved.body().rigid.list[0].pose.shift_q[c]),
+                  0.01 * double(kFixedOne));
+    }
+  }
+  Step two = moved({0, 0, 1});
+  two.drags.push_back(two.drags.front());
+  two.fem->hand_levels = 1;
+  EXPECT_THROW(Session(path, m_options).step(two), InputError);
+}

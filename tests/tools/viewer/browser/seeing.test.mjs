@@ -135,6 +135,38 @@ step('tissue tells how far it has moved, its change of volume and, by finite ele
   assert.match(stressed.lines[4], /^det F [\d.]+, [\d.e-]+ kPa$/);
 });
 
+step('finite elements follow the hand, and tell how near they are and with which force the body pulls', async () => {
+  const choose = async (model) => {
+    await page.eval(`(() => { const list = document.getElementById('model'); list.value = '${model}'; list.dispatchEvent(new Event('change')); })()`);
+    await view.until('the model is chosen', `document.getElementById('model').value === '${model}' && $carriedOut >= $sent`);
+  };
+  await choose('fem/hand');
+  const [x, y] = await partOf('3d', [0.5, 0.6]);
+  const done = (await view.get('scene')).undo.length;
+  await page.move(x, y);
+  await page.key('g');
+  await view.until('the handle is there', '$scene.grab');
+  for (let i = 1; i <= 8; ++i) {
+    await page.move(x - 4 * i, y);
+    await sleep(20);
+  }
+  await view.until('a level is there', '$scene.lead?.level >= 0', 60);
+  await view.until('all levels are there', '$scene.lead?.done', 120);
+  await page.move(x - 34, y);
+  await page.until('it is told', `/finite elements, solved, [\\d.e-]+ N/.test(document.getElementById('say').textContent)`);
+  assert.ok((await view.get('scene.lead')).force_n > 0);
+  assert.equal((await view.get('scene')).undo.length, done, 'the body waits for the release');
+  await keep(page, 'under_hand.png');
+  await page.key('Enter');
+  await view.until('the stroke is one step', `$carriedOut >= $sent && !$scene.grab && !$scene.lead && $scene.undo.length === ${done + 1}`, 60);
+  const moved = await valuesAt(x - 34, y);
+  assert.ok(length(moved.hit.displacement) > 2 && moved.hit.stress_kpa > 0, JSON.stringify(moved.hit));
+  await page.key('Control+z');
+  await view.until('it is taken back at once', `$carriedOut >= $sent && $scene.undo.length === ${done}`);
+  await choose('fem');
+  await view.settled(60);
+});
+
 step('values follow the pointer', async (t) => {
   for (const name of kViews) {
     const from = await partOf(name, [0.35, 0.4]), to = await partOf(name, [0.65, 0.6]);
