@@ -22,11 +22,14 @@ ConjugateGradients::ConjugateGradients(LinearSystem& system, NodalLoads& loads,
       m_u(std::move(loads.u_mm)),
       m_r(m_u.size()),
       m_p(m_u.size()),
-      m_shared(m_u.size()) {}
+      m_shared(m_u.size()) {
+  if (limits.error_mm > 0) m_error.emplace(loads.held, limits.contrast, limits.ritz_value);
+}
 
 std::size_t ConjugateGradients::bytes() const {
   return (2 * m_u.capacity() + m_loads->force_mn.capacity()) * sizeof(double) +
-         m_p.capacity() * sizeof(float) + m_shared.bytes() + m_loads->held.capacity();
+         m_p.capacity() * sizeof(float) + m_shared.bytes() + m_loads->held.capacity() +
+         (m_error ? m_error->bytes() : 0);
 }
 
 /// r = f - K u.
@@ -36,13 +39,21 @@ void ConjugateGradients::compute_residual() {
 }
 
 bool ConjugateGradients::is_converged() const {
-  return m_size.is_within(m_limits.tolerance, m_limits.reaction_tolerance) ||
-         m_size.largest_mn <= m_limits.residual_mn;
+  if (m_size.largest_mn <= m_limits.residual_mn) return true;
+  return m_size.is_within(m_limits.tolerance, m_limits.reaction_tolerance) &&
+         (!m_error || m_error->error_mm() <= m_limits.error_mm || m_size.is_rounding());
+}
+
+std::optional<double> ConjugateGradients::error_mm() const {
+  if (!m_error) return std::nullopt;
+  return m_size.is_rounding() ? 0 : m_error->error_mm();
 }
 
 /// z = B r in single precision, scaled so that neither large nor small forces leave its range.
 void ConjugateGradients::precondition(const Progress* progress) {
   const double scale = m_size.largest_mn > 0 ? 1 / m_size.largest_mn : 1;
+  m_step.beta = m_scale / scale;
+  m_scale = scale;
   float* r = m_shared.first();
   for_ranges(m_r.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
@@ -70,6 +81,7 @@ bool ConjugateGradients::iterate(bool is_first) {
   const bool is_first_and_negative = m_limits.may_be_indefinite && is_first && m_p_q < 0;
   if (!(r_p > 0) || (!(m_p_q > 0) && !is_first_and_negative)) return false;
   const double alpha = r_p / std::abs(m_p_q);
+  m_step = {alpha * m_scale, beta * m_step.beta};
   float* q_single = m_shared.third();
   for_ranges(m_p.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
@@ -84,7 +96,11 @@ bool ConjugateGradients::iterate(bool is_first) {
 /// A residual may grow on its way; what is told does not go back.
 void ConjugateGradients::tell(Progress* told) {
   if (told == nullptr) return;
-  const double part = part_of_way(m_size, m_limits.tolerance, m_limits.reaction_tolerance);
+  double part = part_of_way(m_size, m_limits.tolerance, m_limits.reaction_tolerance);
+  if (m_error && std::isfinite(m_first_error_mm)) {
+    part = std::min(part, decades_done(m_error->error_mm() / m_first_error_mm,
+                                       m_limits.error_mm / m_first_error_mm));
+  }
   m_told_part = std::max(m_told_part, part);
   told->update(m_told_part);
 }
@@ -95,6 +111,7 @@ bool ConjugateGradients::run(const Progress* progress, Progress* told) {
   if (m_size.largest_mn == 0) return true;
   for (int start = 0; start < kMaxStarts; ++start) {
     bool is_first = true;
+    if (m_error) m_error->start(m_u);
     while (m_iterations < m_limits.max_iterations) {
       poll(progress);
       precondition(progress);
@@ -102,6 +119,8 @@ bool ConjugateGradients::run(const Progress* progress, Progress* told) {
       is_first = false;
       ++m_iterations;
       m_size = m_meter(m_r);
+      if (m_error) m_error->take(m_u, m_step);
+      if (m_iterations == 1 && m_error) m_first_error_mm = m_error->error_mm();
       tell(told);
       if (is_converged() || !(m_p_q > 0)) break;
     }

@@ -9,8 +9,11 @@
 // double, so that r stays f - K u. 32 bytes per unknown, and 8 where forces act.
 #pragma once
 
+#include <limits>
+#include <optional>
 #include <vector>
 
+#include "lib/fem/error_estimate.h"
 #include "lib/fem/nodal_loads.h"
 #include "lib/fem/node_vectors.h"
 #include "lib/fem/operator.h"
@@ -28,6 +31,10 @@ struct CgLimits {
   /// K may have directions of negative curvature, at the first of which iterations end (Steihaug
   /// 1983); where that is the very first one, u goes along it as if the curvature were positive.
   bool may_be_indefinite = false;
+  /// The estimate ends them, too (error_estimate.h); infinite: it is only told; 0: there is none.
+  double error_mm = 0;
+  double ritz_value = 1;  // for the estimate, the smallest that is known of the same system
+  double contrast = 1;    // for the estimate, of the stiffness of what can move
 };
 
 class ConjugateGradients {
@@ -42,6 +49,9 @@ class ConjugateGradients {
 
   int iterations() const { return m_iterations; }
   const ResidualSize& size() const { return m_size; }
+  /// Estimated error that is left; none where the limits ask for no estimate.
+  std::optional<double> error_mm() const;
+  double ritz_value() const { return m_error ? m_error->ritz_value() : m_limits.ritz_value; }
   const std::vector<double>& u() const { return m_u; }
   const std::vector<double>& residual() const { return m_r; }
   std::vector<double> take_u() { return std::move(m_u); }
@@ -67,6 +77,10 @@ class ConjugateGradients {
   /// p.
   SharedVectors m_shared;
   double m_p_q = 0;
+  std::optional<ErrorEstimate> m_error;
+  double m_first_error_mm = 0;
+  double m_scale = 1;  // of the forces whose B r is the direction
+  CgStep m_step;       // the last one, of forces that are not scaled
 };
 
 }  // namespace supple

@@ -1,6 +1,7 @@
 #include "lib/fem/fem_report.h"
 
 #include <cmath>
+#include <limits>
 
 #include "lib/fem/fem_solution.h"
 #include "volumes/base/units.h"
@@ -8,6 +9,8 @@
 namespace supple {
 
 namespace {
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 std::string not_converged_text(const FemReport& report) {
   std::string text = "finite elements did not converge";
@@ -17,6 +20,9 @@ std::string not_converged_text(const FemReport& report) {
             std::to_string(newton.load_steps) + " steps, " + std::to_string(newton.rejected_steps) +
             " given up, " + std::to_string(newton.newton_iterations) +
             " corrections, smallest det F " + number_text(newton.smallest_j) + ")";
+  }
+  if (report.error_mm) {
+    text += ", an estimated error of " + number_text(*report.error_mm) + " mm left";
   }
   return text + ": residual " + number_text(report.residual_max) +
          " of the largest nodal force (rms " + number_text(report.residual_rms) +
@@ -28,16 +34,38 @@ std::string not_converged_text(const FemReport& report) {
 }  // namespace
 
 void FemParams::set_accuracy(FemAccuracy chosen) {
-  const FemParams exact;
-  const bool is_picture = chosen == FemAccuracy::picture;
   accuracy = chosen;
-  tolerance = is_picture ? kPictureTolerance : exact.tolerance;
-  reaction_tolerance = is_picture ? kPictureTolerance : exact.reaction_tolerance;
+  tolerance.reset();
+  reaction_tolerance.reset();
+  error_mm.reset();
+}
+
+double FemParams::residual_limit() const {
+  const bool is_picture = accuracy == FemAccuracy::picture;
+  return tolerance.value_or(error_mm ? kNoLimit : is_picture ? kPictureTolerance : kExactTolerance);
+}
+
+double FemParams::reaction_limit() const {
+  const bool is_picture = accuracy == FemAccuracy::picture;
+  return reaction_tolerance.value_or(error_mm     ? kReactionsBesideError
+                                     : is_picture ? kPictureTolerance
+                                                  : kExactReactions);
+}
+
+double FemParams::error_limit_mm() const {
+  return error_mm.value_or(kNoLimit);
 }
 
 void FemParams::validate() const {
-  require(tolerance > 0 && tolerance < 1, "tolerance", tolerance, "between 0 and 1");
-  require(reaction_tolerance > 0, "reaction_tolerance", reaction_tolerance, "above 0");
+  if (tolerance) {
+    require(*tolerance > 0 && *tolerance < 1, "tolerance", *tolerance, "between 0 and 1");
+  }
+  require(reaction_limit() > 0, "reaction_tolerance", reaction_limit(), "above 0");
+  require(error_limit_mm() > 0, "error_mm", error_limit_mm(), "above 0 mm");
+  if (error_mm && !can_end_by_error()) {
+    throw InputError({"", "error_mm", "an error beside finite strain, coarsen or another program",
+                      "tolerance, or none of these"});
+  }
   require(max_iterations > 0, "max_iterations", max_iterations, "at least 1");
   require(doublings >= 0 && doublings <= kMostDoublings, "coarsen", doublings, "0 to 3");
   require(doublings == 0 || strain == StrainTheory::linear, "coarsen", doublings,

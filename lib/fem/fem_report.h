@@ -99,21 +99,30 @@ constexpr int kMostDoublings = 3;
 /// conjugate gradients with incomplete Cholesky factors, or DOLFINx with algebraic multigrid.
 enum class EquationSolver { multigrid, calculix, calculix_iterative, dolfinx };
 
-/// Purpose of a solution: numbers, to the rounding of states; or a picture, whose errors lie far
-/// below a pixel. A picture goes on from an earlier equilibrium of the body where there is one.
-enum class FemAccuracy { exact, picture };
+/// Purpose of a solution: places, to a small part of a voxel; numbers, to the rounding of states;
+/// or a picture, which goes on from an earlier equilibrium of the body where there is one. Solvers
+/// know the voxel by `error_mm` alone (solved_params() in lib/session); without it places are
+/// numbers.
+enum class FemAccuracy { voxel, exact, picture };
 constexpr double kPictureTolerance = 0.1;  // of residual and reactions
+constexpr double kExactTolerance = 1e-6, kExactReactions = 1e-5;
+/// Reactions beside an error: while they change by more, displacements are still to come that their
+/// own changes do not tell of (error_estimate.h).
+constexpr double kReactionsBesideError = 0.02;
 
 struct FemParams {
-  /// Chosen by set_accuracy(), which both tolerances follow.
   FemAccuracy accuracy = FemAccuracy::exact;
   StrainTheory strain = StrainTheory::linear;
   ElementChoice elements;  // of models that are made for these parameters
-  /// Ends when the residual, largest and rms over nodes, is at most this part of the largest nodal
-  /// force (of loads, reactions included) and the reactions changed by at most
-  /// `reaction_tolerance`, relative, over the last iteration.
-  double tolerance = 1e-6;
-  double reaction_tolerance = 1e-5;
+  /// Ends when all of these hold: the residual, largest and rms over nodes, is at most `tolerance`
+  /// of the largest nodal force (of loads, reactions included); the reactions changed by at most
+  /// `reaction_tolerance`, relative, over the last iteration; the estimated error of displacements
+  /// (error_estimate.h) is at most `error_mm`. Beside `error_mm` a residual that is not given
+  /// counts for nothing and reactions count kReactionsBesideError; otherwise these are what
+  /// `accuracy` stands for.
+  std::optional<double> tolerance, reaction_tolerance;
+  /// The error is for voxels in linear theory by the own solver.
+  std::optional<double> error_mm;
   int max_iterations = 400;  // of each linear system
   /// Elements of 2^doublings voxels in each direction (coarse_elements.h); in linear theory.
   int doublings = 0;
@@ -125,7 +134,16 @@ struct FemParams {
   double max_rotation_deg = 5;
   double max_strain = 0.05;
 
+  /// Takes the accuracy, and none of the limits that were given.
   void set_accuracy(FemAccuracy chosen);
+  /// The limits that hold; infinite: none.
+  double residual_limit() const;
+  double reaction_limit() const;
+  double error_limit_mm() const;
+  /// True for the equations that `error_mm` is for.
+  bool can_end_by_error() const {
+    return strain == StrainTheory::linear && doublings == 0 && solver == EquationSolver::multigrid;
+  }
   /// Throws InputError.
   void validate() const;
 };
@@ -167,6 +185,9 @@ struct FemReport {
   double energy_identity = 0;
   double energy_mj = 0;        // u.Ku / 2, or W(u)
   double reaction_change = 0;  // relative, over the last iteration
+  /// Estimated 95th percentile of the error of the displacement of nodes that the iterations left;
+  /// none: not by conjugate gradients on voxels in linear theory.
+  std::optional<double> error_mm;
   std::int64_t loose_islands = 0, loose_elements = 0, islands = 0;
   double largest_rotation_deg = 0, largest_strain = 0;
   Vec3i turned{0, 0, 0}, strained{0, 0, 0};  // where, in voxels of the mesh

@@ -16,6 +16,8 @@ struct FemSolution {
   std::vector<FemReaction> reactions;  // as FemLoads::held
   std::vector<double> swelling_kpa;    // per element; empty where none swells
   FemReport report;
+  double ritz_value = 1;  // the smallest that iterations with this matrix have seen; 1: none was
+  double reaction_change_mn = 0;  // in the last iteration
 };
 
 /// The reactions on what each of loads.nodes_of holds, from r = f - K(u) (in motion less damping

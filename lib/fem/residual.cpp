@@ -59,13 +59,12 @@ NodeNorms node_norms(const std::vector<double>& r, const HeldBits& held,
   return sum;
 }
 
-/// A measure falls from 1 to its limit.
+}  // namespace
+
 double decades_done(double value, double limit) {
   if (value <= limit) return 1;
   return limit >= 1 ? 0 : std::clamp(std::log(value) / std::log(limit), 0.0, 1.0);
 }
-
-}  // namespace
 
 double part_of_way(const ResidualSize& size, double tolerance, double reaction_tolerance) {
   const double residual = std::max({size.max, size.rms, size.balance});
@@ -123,6 +122,7 @@ ResidualSize ResidualMeter::operator()(const std::vector<double>& r) {
   // Reactions that balance each other to rounding count by the largest nodal force.
   largest = std::max(largest, size.largest_force_mn);
   size.reaction_change = largest > 0 ? change / largest : 0;
+  size.reaction_change_mn = change;
   return size;
 }
 

@@ -26,16 +26,22 @@ struct ResidualSize {
   double largest_force_mn = 0;
   double seen_mn = 0;          // the largest force of a node that there has been, held or free
   double reaction_change = 0;  // relative to the largest reaction, since the last one
+  double reaction_change_mn = 0;
   /// Length of the sum of all nodes' residuals relative to the sum of the lengths of loads and
   /// reactions, which is how far these are from balance. A smooth residual that is small at every
   /// node adds up.
   double balance = 0;
 
+  /// As small as double precision makes it.
+  bool is_rounding() const { return largest_mn <= kRoundingForce * seen_mn; }
   bool is_within(double tolerance, double reaction_tolerance) const {
-    if (largest_mn <= kRoundingForce * seen_mn) return true;
+    if (is_rounding()) return true;
     return std::max({max, rms, balance}) <= tolerance && reaction_change <= reaction_tolerance;
   }
 };
+
+/// Part of the decades to its limit, 0 to 1, that a measure has done which falls from 1.
+double decades_done(double value, double limit);
 
 /// Part of the way to these limits that the residual has come, 0 to 1: the decades that are done,
 /// of the measure that has most of them left.

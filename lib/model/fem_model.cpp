@@ -184,12 +184,21 @@ void VoxelFemModel::store() {
 
 Fields solver_fields(FemParams& params) {
   return {
-      Field("tolerance", params.tolerance,
-            "Largest force left on a node, of the largest there is; 0.1 of a picture")
-          .positive(),
+      Field("tolerance", params.tolerance, "Largest force left on a node, of the largest there is")
+          .positive()
+          .otherwise("none beside error_mm, else 1e-06, of pictures 0.1"),
       Field("reaction_tolerance", params.reaction_tolerance,
-            "Largest change of the reactions in the last iteration, relative; 0.1 of a picture")
-          .positive(),
+            "Largest change of the reactions in the last iteration, relative")
+          .positive()
+          .otherwise("0.02 beside error_mm, 0.001 where a scene writes forces; else 1e-05, of "
+                     "pictures 0.1"),
+      Field("error_mm", params.error_mm,
+            "Largest estimated error of displacements that iterations leave (95th percentile)")
+          .unit("mm")
+          .positive()
+          .otherwise(
+              "none; of voxel a twentieth of the shortest edge, unless tolerance or stresses are "
+              "asked for, or there are labels"),
       Field("max_iterations", params.max_iterations, "Of one linear system; more are an error")
           .range(1, 100000),
       Field("solver", params.solver, {"multigrid", "calculix", "calculix-iterative", "dolfinx"},

@@ -3,6 +3,7 @@
 #include "lib/model/refined_shape.h"
 #include "lib/session/fem/fem_modes.h"
 #include "lib/session/fem/motion_step.h"
+#include "lib/session/fem_limits.h"
 #include "lib/session/fem_step.h"
 #include "lib/session/kept_voxels.h"
 #include "lib/session/tet_step.h"
@@ -37,12 +38,50 @@ std::optional<Problem> contradiction(const FemStep& step) {
   if (!step.directions.empty() && !no_sum.empty()) {
     return Problem{"", "directions", "directions beside " + no_sum, "linear equilibria of voxels"};
   }
+  if (step.params.error_mm && (beside_large != nullptr || !step.params.can_end_by_error()) &&
+      step.halvings == 0) {
+    return Problem{"", "error_mm",
+                   "an error beside finite strain, a motion, modes, coarsen or another program",
+                   "tolerance"};
+  }
   return std::nullopt;
 }
 
+namespace {
+
+/// True where places and reactions alone are asked for, and not to a tolerance.
+bool ends_by_error(const FemStep& step) {
+  const FemParams& params = step.params;
+  if (params.error_mm || params.tolerance) return params.error_mm.has_value();
+  return params.can_end_by_error() && params.accuracy == FemAccuracy::voxel && !step.tets &&
+         !step.modes && !step.motion && !step.keeps_nodes && step.wanted.empty();
+}
+
+}  // namespace
+
+FemParams solved_params(const FemStep& step, bool has_labels, double shortest_edge_mm) {
+  constexpr double kVoxelPart = 0.05;
+  FemParams params = step.params;
+  if (params.error_mm) return params;
+  if (ends_by_error(step) && !has_labels) {
+    params.error_mm = kVoxelPart * shortest_edge_mm;
+  } else {
+    params.tolerance = params.residual_limit();
+    params.reaction_tolerance = params.reaction_limit();
+  }
+  return params;
+}
+
+void settle_reactions(FemStep& step) {
+  constexpr double kSettled = 1e-3;
+  if (ends_by_error(step) && !step.params.reaction_tolerance) {
+    step.params.reaction_tolerance = kSettled;
+  }
+}
+
 Field accuracy_field(FemStep& step) {
-  return Field("accuracy", step.params.accuracy, {"exact", "picture"},
-               "Finite elements: exact, or as pictures need");
+  return Field("accuracy", step.params.accuracy, {"voxel", "exact", "picture"},
+               "Finite elements to 1/20 voxel, exact, or rough");
 }
 
 Fields option_fields(FemStep& step) {
@@ -94,6 +133,7 @@ Fields fields(FemStep& step) {
 FemStep make_tet_step() {
   FemStep step;
   step.tets = std::make_shared<TetStep>();
+  step.params.accuracy = FemAccuracy::exact;
   step.params.max_iterations = 5000;  // of incomplete factors, which take more of them
   return step;
 }
@@ -102,10 +142,12 @@ Fields tet_fields(FemStep& step) {
   Fields all = fields(*step.tets);
   all.push_back(Field("tolerance", step.params.tolerance,
                       "Largest force left on a node, of the largest there is")
-                    .positive());
+                    .positive()
+                    .otherwise("1e-06"));
   all.push_back(Field("reaction_tolerance", step.params.reaction_tolerance,
                       "Largest change of the reactions in the last iteration, relative")
-                    .positive());
+                    .positive()
+                    .otherwise("1e-05"));
   for (const Field& field : fields(step)) {
     for (const char* name :
          {"strain", "max_iterations", "loose", "max_rotation", "max_strain", "gravity"}) {
@@ -140,8 +182,8 @@ Fields load_fields(FemLoad& load) {
 Value settings_value(const FemStep& step) {
   FemStep copy = step;
   auto value = fields_value(copy.tets ? tet_fields(copy) : fields(copy));
-  // Records of exact steps are as they were before there were others.
-  if (copy.params.accuracy == FemAccuracy::exact) value.erase("accuracy");
+  // Limits that are recorded say what other accuracies stand for.
+  if (copy.params.accuracy != FemAccuracy::picture) value.erase("accuracy");
   if (copy.params.elements.dilatation == Dilatation::mean) value.erase("integration");
   if (copy.params.elements.touching == Touching::apart) value.erase("touching");
   if (copy.links_beyond == LinksBeyond::project) value.erase("beyond_limits");

@@ -197,7 +197,8 @@ void move_in_time(const FemStep& step, const FemTask& task, const FemSolid& soli
                          loads_of(step, task, solid),
                          step.params.loose};
   params.elements = step.params.elements;
-  params.newmark = {motion.step_length_s(), step.params.tolerance, step.params.max_iterations};
+  params.newmark = {motion.step_length_s(), step.params.residual_limit(),
+                    step.params.max_iterations};
   VoxelFemMotion model(task.held, std::move(params), solid.body ? &*solid.body : nullptr, progress);
   model.tell_of(task.gripped);
   model.start_from(task.nodes);

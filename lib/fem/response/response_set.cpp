@@ -10,7 +10,7 @@ namespace supple {
 namespace {
 
 std::shared_ptr<UnitResponse> response_of(const std::vector<double>& g_mm, std::vector<double> u_mm,
-                                          double seen_mn) {
+                                          const SolvedTo& to) {
   auto made = std::make_shared<UnitResponse>();
   for (std::size_t n = 0; n < g_mm.size(); ++n) {
     if (g_mm[n] == 0) continue;
@@ -19,7 +19,7 @@ std::shared_ptr<UnitResponse> response_of(const std::vector<double>& g_mm, std::
     made->square += g_mm[n] * g_mm[n];
   }
   made->u_mm = std::move(u_mm);
-  made->seen_mn = seen_mn;
+  made->to = to;
   return made;
 }
 
@@ -84,15 +84,24 @@ std::vector<double> ResponseSet::sum(const ResponseParts& parts, std::size_t unk
   return u;
 }
 
-double ResponseSet::seen_mn(const ResponseParts& parts) const {
-  double seen = m_base ? m_base->seen_mn : 0;
+SolvedTo ResponseSet::solved_to(const ResponseParts& parts) const {
+  SolvedTo sum = m_base ? m_base->to : SolvedTo();
   for (std::size_t r = 0; r < parts.of.size(); ++r) {
-    seen = std::max(seen, std::abs(parts.of[r]) * m_responses[r]->seen_mn);
+    const SolvedTo& to = m_responses[r]->to;
+    const double part = std::abs(parts.of[r]);
+    sum.seen_mn = std::max(sum.seen_mn, part * to.seen_mn);
+    sum.error_mm += part * to.error_mm;
+    sum.reaction_change_mn += part * to.reaction_change_mn;
   }
-  return seen;
+  return sum;
 }
 
-void ResponseSet::add(const std::vector<double>& g_mm, std::vector<double> u_mm, double seen_mn,
+double ResponseSet::error_mm(const ResponseParts& parts, int n) const {
+  if (n < 0) return m_base ? m_base->to.error_mm : 0;
+  return std::abs(parts.of[std::size_t(n)]) * m_responses[std::size_t(n)]->to.error_mm;
+}
+
+void ResponseSet::add(const std::vector<double>& g_mm, std::vector<double> u_mm, const SolvedTo& to,
                       double rounding_mm) {
   const ResponseParts parts = parts_of(g_mm, nullptr);
   if (parts.beyond_mm <= rounding_mm) return;
@@ -103,12 +112,23 @@ void ResponseSet::add(const std::vector<double>& g_mm, std::vector<double> u_mm,
       for (std::size_t n = begin; n < end; ++n) u_mm[n] -= parts.of[r] * of[n];
     });
   }
-  m_responses.push_back(response_of(parts.left_mm, std::move(u_mm), seen_mn));
+  SolvedTo all = to;
+  for (std::size_t r = 0; r < parts.of.size(); ++r) {
+    all.error_mm += error_mm(parts, int(r));
+    all.reaction_change_mn += std::abs(parts.of[r]) * m_responses[r]->to.reaction_change_mn;
+  }
+  m_responses.push_back(response_of(parts.left_mm, std::move(u_mm), all));
 }
 
 void ResponseSet::set_base(const std::vector<double>& g_mm, std::vector<double> u_mm,
-                           double seen_mn) {
-  m_base = response_of(g_mm, std::move(u_mm), seen_mn);
+                           const SolvedTo& to) {
+  m_base = response_of(g_mm, std::move(u_mm), to);
+}
+
+void ResponseSet::replace(int n, std::vector<double> u_mm, const SolvedTo& to) {
+  std::shared_ptr<const UnitResponse>& of = n < 0 ? m_base : m_responses[std::size_t(n)];
+  of = std::make_shared<UnitResponse>(
+      UnitResponse{of->at, of->prescribed_mm, of->square, std::move(u_mm), to});
 }
 
 std::size_t ResponseSet::bytes_beyond(const ResponseSet& other) const {

@@ -13,6 +13,7 @@
 // Memory of each: 8 bytes per unknown, and 12 per component that is held and moves.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -22,13 +23,20 @@
 
 namespace supple {
 
+/// Measures of a solution that are known beside itself.
+struct SolvedTo {
+  double seen_mn = 0;             // ResidualSize::seen_mn
+  double error_mm = 0;            // that is left of displacements by the estimate; 0: none was made
+  double reaction_change_mn = 0;  // in the last iteration
+};
+
 /// A solution of what is prescribed at some held components; orthogonal to those of the others.
 struct UnitResponse {
   std::vector<std::uint32_t> at;      // 3 node + component
   std::vector<double> prescribed_mm;  // there
   double square = 0;                  // sum of their squares
   std::vector<double> u_mm;           // three per node
-  double seen_mn = 0;                 // ResidualSize::seen_mn of its solution
+  SolvedTo to;
 
   std::size_t bytes() const;
 };
@@ -64,15 +72,24 @@ class ResponseSet {
   }
   /// Computes the sum of such parts, with the base: three per node of a mesh of so many unknowns.
   std::vector<double> sum(const ResponseParts& parts, std::size_t unknowns) const;
-  /// The largest force of a node that the solutions of a sum have seen.
-  double seen_mn(const ResponseParts& parts) const;
+  /// The largest force of a node that the solutions of a sum have seen, and what they leave at the
+  /// most together: the sum of |c_i| times that of each.
+  SolvedTo solved_to(const ResponseParts& parts) const;
+  /// Returns the error that the term of the base, `n` = -1, or of a response leaves in the sum.
+  double error_mm(const ResponseParts& parts, int n) const;
 
   /// A solution without forces joins the set, less what the set has of it: nothing where that is
   /// all of it but `rounding_mm`.
-  void add(const std::vector<double>& g_mm, std::vector<double> u_mm, double seen_mn,
+  void add(const std::vector<double>& g_mm, std::vector<double> u_mm, const SolvedTo& to,
            double rounding_mm = 0);
   /// The first solution, with the forces that act.
-  void set_base(const std::vector<double>& g_mm, std::vector<double> u_mm, double seen_mn);
+  void set_base(const std::vector<double>& g_mm, std::vector<double> u_mm, const SolvedTo& to);
+  /// A better solution of the base, -1, or of a response takes its place.
+  void replace(int n, std::vector<double> u_mm, const SolvedTo& to);
+
+  /// The smallest Ritz value that solutions with this key have seen; others can only lower it.
+  double ritz_value() const { return m_ritz_value; }
+  void see(double ritz_value) { m_ritz_value = std::min(m_ritz_value, ritz_value); }
 
   /// Memory of those that `other` does not share.
   std::size_t bytes_beyond(const ResponseSet& other) const;
@@ -83,6 +100,7 @@ class ResponseSet {
   ResponseKey m_key;
   std::shared_ptr<const UnitResponse> m_base;  // null: 0
   std::vector<std::shared_ptr<const UnitResponse>> m_responses;
+  double m_ritz_value = 1;
 };
 
 }  // namespace supple

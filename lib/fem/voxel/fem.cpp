@@ -201,8 +201,11 @@ void FemModel::solve_linear(NodalLoads& loads, const FemParams& params, Progress
   report.setup_ms += clock.ms();
 
   stage(progress, "solving");
-  ConjugateGradients solver(system, loads,
-                            {params.tolerance, params.reaction_tolerance, params.max_iterations});
+  CgLimits limits{params.residual_limit(), params.reaction_limit(), params.max_iterations};
+  limits.error_mm = params.error_limit_mm();
+  limits.contrast = free_contrast(mesh(), material(), loads.held);
+  limits.ritz_value = out.ritz_value;
+  ConjugateGradients solver(system, loads, limits);
   report.bytes = m_parts->bytes() + system.bytes() + solver.bytes();
   run_linear(solver, loads, params, progress, out);
 }
@@ -226,8 +229,8 @@ void FemModel::solve_by_peer(NodalLoads& loads, const FemParams& params, Progres
   const PeerProblem problem = peer_problem();
   std::unique_ptr<PeerSolver> solver;
   if (is_dolfinx) {
-    solver =
-        std::make_unique<DolfinxSolver>(problem, loads, params.tolerance, params.max_iterations);
+    solver = std::make_unique<DolfinxSolver>(problem, loads, params.residual_limit(),
+                                             params.max_iterations);
   } else {
     solver = std::make_unique<CalculixSolver>(problem, loads,
                                               params.solver == EquationSolver::calculix_iterative);
@@ -236,12 +239,12 @@ void FemModel::solve_by_peer(NodalLoads& loads, const FemParams& params, Progres
   out.report.bytes = m_parts->bytes() + solver->bytes();
   out.report.setup_ms += solver->start_ms();
   out.report.solve_ms -= solver->start_ms();
-  if (out.report.residual_max <= params.tolerance) return;
+  if (out.report.residual_max <= params.residual_limit()) return;
   const std::string name = is_dolfinx ? "DOLFINx" : "CalculiX";
   warn(progress, "finite elements: " + name + " left forces of up to " +
                      number_text(100 * out.report.residual_max) +
                      " % of the largest on nodes, more than the tolerance of " +
-                     number_text(100 * params.tolerance) + " %");
+                     number_text(100 * params.residual_limit()) + " %");
 }
 
 void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress* progress,
@@ -262,12 +265,20 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
 
   stage(progress, "solving");
   CoarseElements solver(stiffness(), multigrid, params.doublings, loads,
-                        {params.tolerance, params.reaction_tolerance, params.max_iterations});
+                        {params.residual_limit(), params.reaction_limit(), params.max_iterations});
   report.bytes = m_parts->bytes() + multigrid.bytes() + solver.bytes();
   run_linear(solver, loads, params, progress, out);
 }
 
 namespace {
+
+void note_error(const ConjugateGradients& solver, FemSolution& out) {
+  out.report.error_mm = solver.error_mm();
+  out.ritz_value = solver.ritz_value();
+}
+/// Others tell none.
+template <class Solver>
+void note_error(const Solver&, FemSolution&) {}
 
 template <class Solver>
 bool run_told(Solver& solver, Progress* progress) {
@@ -288,6 +299,8 @@ void FemModel::run_linear(Solver& solver, const NodalLoads& loads, const FemPara
   const bool converged = run_told(solver, progress);
   report.iterations = solver.iterations();
   note(solver.size(), report);
+  note_error(solver, out);
+  out.reaction_change_mn = solver.size().reaction_change_mn;
   report.solve_ms = clock.ms();
   if (!converged) throw NotConverged(report);
   conclude(loads, params, solver.size(), solver.residual(), solver.take_u(), out);
@@ -317,8 +330,8 @@ void FemModel::solve_finite(NodalLoads& loads, const FemParams& params, Progress
   stage(progress, "solving");
   const Stopwatch solve_clock;
   NewtonLimits limits;
-  limits.tolerance = params.tolerance;
-  limits.reaction_tolerance = params.reaction_tolerance;
+  limits.tolerance = params.residual_limit();
+  limits.reaction_tolerance = params.reaction_limit();
   limits.max_cg_iterations = params.max_iterations;
   const FiniteVoxels voxels(mesh(), strain, material(), multigrid, loads.held);
   Newton solver(*this, voxels, loads, limits);

@@ -23,6 +23,7 @@
 #include "lib/body/body.h"
 #include "lib/fem/elastic_solid.h"
 #include "lib/fem/fem_solution.h"
+#include "lib/fem/response/response_set.h"
 #include "lib/fem/voxel/fem_loads.h"
 #include "lib/fem/voxel/hex_mesh.h"
 #include "lib/fem/voxel/voxel_material.h"
@@ -33,13 +34,13 @@ namespace supple {
 class HexOperator;
 struct MeshLevels;
 struct PeerProblem;
-class ResponseSet;
-struct ResponseParts;
 
 /// A solution of nodal loads.
 struct NodalSolution {
   std::vector<double> u_mm, residual_mn;  // three per node
-  double seen_mn = 0, residual_max = 0;   // of ResidualSize
+  double residual_max = 0;                // of ResidualSize
+  SolvedTo to;
+  double ritz_value = 1;  // FemSolution::ritz_value
   int iterations = 0;
   std::size_t bytes = 0;  // at the most, with the solver, its mesh and the solutions before it
 };
@@ -71,7 +72,8 @@ class FemModel final : public ElasticSolid {
 
   /// The same in linear theory, by a sum of the solutions in `known` where these make it; what is
   /// missing is solved for and joins them. Those of other held elements, loads or parameters are
-  /// forgotten. A sum that leaves more than twice the tolerance is where iterations begin. Throws
+  /// forgotten. A sum that leaves more than twice the tolerance is where iterations begin. Beside
+  /// `error_mm` solutions whose errors would add up to more are solved further first. Throws
   /// likewise.
   FemSolution solve_by(ResponseSet& known, const FemLoads& loads, const FemParams& params,
                        Progress* progress = nullptr) const;
@@ -120,6 +122,8 @@ class FemModel final : public ElasticSolid {
   std::optional<FemSolution> sum_of(const ResponseSet& known, const ResponseParts& parts,
                                     NodalLoads& loads, const FemParams& params,
                                     const FemReport& report) const;
+  int sharpen(ResponseSet& known, const ResponseParts& parts, const NodalLoads& loads,
+              const FemParams& params, Progress* progress) const;
   void solve_linear(NodalLoads& loads, const FemParams& params, Progress* progress,
                     FemSolution& out) const;
   PeerProblem peer_problem() const;

@@ -15,6 +15,8 @@ constexpr double kBeyondCaches = 1.6;
 /// pieces or tissue that many times as stiff. Later decades take more.
 constexpr double kIterations = 3, kHardIterations = 10, kLargeContrast = 1000;
 constexpr double kDecadesPower = 1.15;
+/// Decades of the residual after which displacements are within a twentieth of a voxel.
+constexpr double kErrorDecades = 1.4;
 /// Time of elements that are twice as large, relative to voxels; and the iterations of voxels that
 /// a setup of larger ones saves, whose voxels are not smoothed.
 constexpr double kCoarsePart = 0.25, kCoarseSetup = 2;
@@ -78,7 +80,10 @@ FemWork fem_work(const NodeCount& nodes, const FemWish& wish, const MaterialTabl
                          : wish.motion_steps > 0 ? wish.motion_steps * kMotionPart
                                                  : 1;
   const bool is_hard = wish.has_rigid_pieces || contrast_of(material) >= kLargeContrast;
-  const double decades = std::max(1.0, -std::log10(params.tolerance));
+  const bool is_to_voxel = params.can_end_by_error() && params.accuracy == FemAccuracy::voxel;
+  const double decades = !params.tolerance && (params.error_mm || is_to_voxel)
+                             ? kErrorDecades
+                             : std::max(1.0, -std::log10(params.residual_limit()));
   const double iterations = systems * std::pow(decades, kDecadesPower) *
                             (is_hard ? kHardIterations : kIterations) *
                             std::pow(kCoarsePart, params.doublings);

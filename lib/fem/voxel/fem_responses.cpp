@@ -22,6 +22,9 @@ namespace {
 constexpr double kRoundedVoxels = 2.0 / (1 << 16);
 /// A sum may leave so many tolerances: each of its terms has one.
 constexpr double kSumTolerances = 2;
+/// Solutions that others may be sums of are solved to this part of the error that is asked for: a
+/// motion may grow and have several directions before they have to be solved further.
+constexpr double kErrorShare = 1.0 / 16;
 
 ResponseKey key_of(const NodalLoads& loads, const std::vector<bool>& apart,
                    const FemParams& params) {
@@ -29,7 +32,10 @@ ResponseKey key_of(const NodalLoads& loads, const std::vector<bool>& apart,
   ContentHash joined, solver, held, forces;
   joined.add(apart.size());
   for (const bool is_apart : apart) joined.add(is_apart);
-  for (const double number : {params.tolerance, params.reaction_tolerance}) solver.add(number);
+  for (const double limit :
+       {params.residual_limit(), params.reaction_limit(), params.error_limit_mm()}) {
+    solver.add(limit);
+  }
   solver.add(params.max_iterations);
   held.add(loads.held);
   forces.add(loads.force_mn);
@@ -66,13 +72,42 @@ bool is_at_rest(const NodalLoads& loads) {
          std::all_of(loads.u_mm.begin(), loads.u_mm.end(), [](double u_mm) { return u_mm == 0; });
 }
 
+/// Measures of what a solution with these limits has left.
+SolvedTo solved_to(const FemSolution& solution, double seen_mn, const FemParams& params) {
+  const bool is_to_error = params.error_mm.has_value();
+  return {seen_mn, is_to_error ? solution.report.error_mm.value_or(0) : 0,
+          is_to_error ? solution.reaction_change_mn : 0};
+}
+
+FemParams to_error(const FemParams& params, double error_mm) {
+  FemParams other = params;
+  other.error_mm = error_mm;
+  return other;
+}
+
+template <class Solver>
+double error_of(const Solver&) {
+  return 0;
+}
+double error_of(const ConjugateGradients& solver) {
+  return solver.error_mm().value_or(0);
+}
+template <class Solver>
+double ritz_value_of(const Solver&) {
+  return 1;
+}
+double ritz_value_of(const ConjugateGradients& solver) {
+  return solver.ritz_value();
+}
+
 template <class Solver>
 NodalSolution solved_by(Solver& solver, bool may_be_rough, Progress* progress) {
   const bool is_converged = solver.run(progress, progress);
   NodalSolution out;
   out.iterations = solver.iterations();
   out.residual_max = solver.size().max;
-  out.seen_mn = solver.size().seen_mn;
+  out.to = {solver.size().seen_mn, error_of(solver), solver.size().reaction_change_mn};
+  out.ritz_value = ritz_value_of(solver);
   if (!is_converged && !may_be_rough) {
     FemReport told;
     told.iterations = out.iterations;
@@ -98,7 +133,11 @@ std::vector<NodalSolution> LevelSolver::solve(std::vector<NodalLoads>& loads,
   }
   m_system->multigrid().extend(params.doublings, held, progress);
   stage(progress, "solving");
-  const CgLimits limits{params.tolerance, params.reaction_tolerance, params.max_iterations};
+  CgLimits limits{params.residual_limit(), params.reaction_limit(), params.max_iterations};
+  if (params.error_mm) {
+    limits.error_mm = kErrorShare * *params.error_mm;
+    limits.contrast = free_contrast(m_model.mesh(), m_model.material(), held);
+  }
   const auto solve_with = [&](auto&& solver) {
     const std::size_t bytes = m_model.bytes() + m_system->bytes() + solver.bytes() +
                               all.size() * 2 * sizeof(double) * solver.residual().size();
@@ -113,7 +152,9 @@ std::vector<NodalSolution> LevelSolver::solve(std::vector<NodalLoads>& loads,
       solve_with(CoarseElements(m_model.stiffness(), m_system->multigrid(), params.doublings, one,
                                 limits));
     } else {
+      limits.ritz_value = m_ritz_value;
       solve_with(ConjugateGradients(*m_system, one, limits));
+      m_ritz_value = all.back().ritz_value;
     }
   }
   return all;
@@ -130,10 +171,11 @@ void FemModel::keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolut
   known.require(key_of(loads.front(), parted(), params));
   for (std::size_t n = 0; n < loads.size(); ++n) {
     NodalSolution& of = solutions[n];
+    known.see(of.ritz_value);
     if (n == 0 && !loads[n].force_mn.empty()) {
-      known.set_base(prescribed(loads[n]), std::move(of.u_mm), of.seen_mn);
+      known.set_base(prescribed(loads[n]), std::move(of.u_mm), of.to);
     } else {
-      known.add(prescribed(loads[n]), std::move(of.u_mm), of.seen_mn, rounding_mm);
+      known.add(prescribed(loads[n]), std::move(of.u_mm), of.to, rounding_mm);
     }
   }
 }
@@ -147,20 +189,55 @@ std::optional<FemSolution> FemModel::sum_of(const ResponseSet& known, const Resp
   FemSolution out;
   out.report = report;
   std::vector<double> u = known.sum(parts, loads.u_mm.size()), r;
-  ResidualSize size = residual_of(stiffness(), loads, u, known.seen_mn(parts), r);
-  size.reaction_change = 0;
-  if (!size.is_within(kSumTolerances * params.tolerance, params.reaction_tolerance)) {
+  const SolvedTo left = known.solved_to(parts);
+  ResidualSize size = residual_of(stiffness(), loads, u, left.seen_mn, r);
+  // So far it is the one from nothing to the reactions.
+  const double part =
+      size.reaction_change_mn > 0 ? size.reaction_change / size.reaction_change_mn : 0;
+  size.reaction_change_mn = params.error_mm ? left.reaction_change_mn : 0;
+  size.reaction_change = part * size.reaction_change_mn;
+  if (!size.is_within(kSumTolerances * params.residual_limit(), params.reaction_limit())) {
     for (std::size_t n = 0; n < u.size(); ++n) {
       if ((loads.held[n / 3] >> n % 3 & 1) == 0) loads.u_mm[n] = u[n];
     }
     return std::nullopt;
   }
   note(size, out.report);
+  out.report.error_mm.reset();
+  if (params.error_mm) out.report.error_mm = left.error_mm;
   out.report.bytes = std::max(
       out.report.bytes, bytes() + known.bytes() + (u.capacity() + r.capacity()) * sizeof(double));
   conclude(loads, params, size, r, std::move(u), out);
   out.report.solve_ms += clock.ms();
   return out;
+}
+
+/// Solves terms of a sum further until what they leave together is at most the error that is asked
+/// for: those that leave more than their share, from where they are. Returns the iterations.
+int FemModel::sharpen(ResponseSet& known, const ResponseParts& parts, const NodalLoads& loads,
+                      const FemParams& params, Progress* progress) const {
+  const double asked_mm = params.error_limit_mm();
+  if (known.solved_to(parts).error_mm <= asked_mm) return 0;
+  int iterations = 0;
+  const double share_mm = asked_mm / (1 + parts.used());
+  for (int n = -1; n < int(parts.of.size()); ++n) {
+    if (known.error_mm(parts, n) <= share_mm) continue;
+    const UnitResponse& of = n < 0 ? *known.base() : known[std::size_t(n)];
+    const double part = n < 0 ? 1 : std::abs(parts.of[std::size_t(n)]);
+    NodalLoads one = loads;
+    if (n >= 0) one.force_mn.clear();
+    one.u_mm = of.u_mm;
+    one.within_held_mn = forces_within_held(mesh(), material(), one);
+    FemSolution better;
+    better.ritz_value = known.ritz_value();
+    const FemParams further = to_error(params, kErrorShare * share_mm / part);
+    solve_linear(one, further, progress, better);
+    known.see(better.ritz_value);
+    iterations += better.report.iterations;
+    const SolvedTo to = solved_to(better, of.to.seen_mn, further);
+    known.replace(n, std::move(better.u_mm), to);
+  }
+  return iterations;
 }
 
 FemSolution FemModel::solve_by(ResponseSet& known, const FemLoads& loads, const FemParams& params,
@@ -190,8 +267,9 @@ FemSolution FemModel::solve_by(ResponseSet& known, const FemLoads& loads, const 
     out.report = report;
     NodalLoads first = nodal;
     solve_linear(first, params, progress, out);
-    nodal.force_mn.empty() ? known.add(asked, out.u_mm, seen_mn)
-                           : known.set_base(asked, out.u_mm, seen_mn);
+    known.see(out.ritz_value);
+    const SolvedTo to = solved_to(out, seen_mn, params);
+    nodal.force_mn.empty() ? known.add(asked, out.u_mm, to) : known.set_base(asked, out.u_mm, to);
     told.solved = 1;
     return finish(out);
   }
@@ -203,21 +281,33 @@ FemSolution FemModel::solve_by(ResponseSet& known, const FemLoads& loads, const 
     const double seen_mn = residual_of(stiffness(), rest, rest.u_mm, 0, r).seen_mn;
     FemSolution missing;
     missing.report = report;
-    solve_linear(rest, params, progress, missing);
+    missing.ritz_value = known.ritz_value();
+    FemParams of_rest = params;
+    if (params.error_mm) {
+      // The next motion may have as much of this direction as it has of all.
+      double farthest_mm = parts.beyond_mm;
+      for (const double way_mm : asked) farthest_mm = std::max(farthest_mm, std::abs(way_mm));
+      of_rest = to_error(params, kErrorShare * *params.error_mm * parts.beyond_mm / farthest_mm);
+    }
+    solve_linear(rest, of_rest, progress, missing);
+    known.see(missing.ritz_value);
     report.levels = missing.report.levels;
     report.iterations = missing.report.iterations;
     report.setup_ms = missing.report.setup_ms;
     report.solve_ms = missing.report.solve_ms;
     report.bytes = missing.report.bytes + known.bytes();
-    known.add(parts.left_mm, std::move(missing.u_mm), seen_mn);
+    known.add(parts.left_mm, std::move(missing.u_mm), solved_to(missing, seen_mn, of_rest));
     told.solved = 1;
     parts.of.push_back(1);
   }
+  const int further = sharpen(known, parts, nodal, params, progress);
+  report.iterations += further;
   told.used = parts.used() + (known.base() != nullptr ? 1 : 0);
   std::optional<FemSolution> sum = sum_of(known, parts, nodal, params, report);
   if (sum) return finish(*sum);
   FemSolution out;
   out.report = report;
+  out.ritz_value = known.ritz_value();
   solve_linear(nodal, params, progress, out);
   out.report.iterations += report.iterations;
   return finish(out);

@@ -24,6 +24,7 @@ class LevelSolver {
  private:
   const FemModel& m_model;
   std::unique_ptr<VoxelSystem> m_system;
+  double m_ritz_value = 1;  // the smallest that solutions by voxels have seen
 };
 
 }  // namespace supple

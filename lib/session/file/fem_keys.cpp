@@ -51,8 +51,6 @@ std::vector<Vec3d> read_directions(Table& table) {
 
 FemStep read_fem(Table& table, const LabelNames& names) {
   FemStep fem;
-  table.read({accuracy_field(fem)});
-  fem.params.set_accuracy(fem.params.accuracy);
   table.read(fields(fem));
   read_loads(table, names, fem);
   fem.directions = read_directions(table);

@@ -6,6 +6,7 @@
 #include "lib/fem/fem_solution.h"
 #include "lib/fem/response/response_field.h"
 #include "lib/fem/voxel/level_solver.h"
+#include "lib/session/fem_limits.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/handles/handle_motion.h"
 #include "volumes/base/parallel.h"
@@ -96,6 +97,9 @@ LiveResponses::LiveResponses(const SessionBody& in, const Step& grab,
                       "one handle under finite elements"});
   }
   m_step = *grab.fem;
+  const Vec3d edges_mm = m_body.geometry.spacing_mm();
+  m_step.params =
+      solved_params(m_step, !m_labels.empty(), std::min({edges_mm.x, edges_mm.y, edges_mm.z}));
   const std::string reason = why_no_sum(m_step.params);
   if (!reason.empty()) throw InputError({"", "responses", reason, "linear equilibria of voxels"});
   if (in.responses && m_step.params.elements.touching == Touching::apart) {
@@ -252,8 +256,9 @@ void LiveResponses::run(Progress* progress, std::shared_ptr<KeptVoxels> ahead, i
     FemParams params = m_step.params;
     params.doublings = doublings;
     if (doublings > 0) {
-      params.tolerance = std::max(params.tolerance, kRough);
+      params.tolerance = std::max(params.tolerance.value_or(kRough), kRough);
       params.reaction_tolerance = std::numeric_limits<double>::infinity();
+      params.error_mm.reset();
     }
     if (!is_last) params.max_iterations = std::min(params.max_iterations, iterations);
     std::vector<NodalSolution> solutions = solver.solve(all, params, !is_last, progress);

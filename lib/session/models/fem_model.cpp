@@ -7,6 +7,7 @@
 #include "lib/chainmail/cut_contact.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_cost.h"
+#include "lib/session/fem_limits.h"
 #include "lib/session/fem_task.h"
 #include "lib/session/file/fem_keys.h"
 #include "lib/session/hand/hand_level.h"
@@ -35,6 +36,9 @@ void run_elements(const ModelTask& task) {
   if (task.record.fem->hand_levels > 0) return move_to_hand_level(task);
   SessionBody& in = task.in;
   StepRecord& record = task.record;
+  const Vec3d edges_mm = in.body.geometry.spacing_mm();
+  record.fem->params = solved_params(*record.fem, !in.state.labels.empty(),
+                                     std::min({edges_mm.x, edges_mm.y, edges_mm.z}));
   const std::vector<SlotSet> told = task.told();
   if (record.fem->responses) {
     in.responses = std::exchange(record.fem->responses, {});
@@ -131,6 +135,7 @@ Value fem_settings(const StepRecord& record) {
   const FemReport& report = record.equilibrium.report;
   Value value = settings_value(*record.fem);
   value["iterations"] = report.iterations;
+  if (report.error_mm) value["error_left_mm"] = *report.error_mm;
   value["residual_max"] = report.residual_max;
   value["force_balance"] = report.force_balance;
   value["energy_identity"] = report.energy_identity;

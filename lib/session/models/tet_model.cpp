@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "lib/fem/voxel/fem_cost.h"
+#include "lib/session/fem_limits.h"
 #include "lib/session/file/tet_keys.h"
 #include "lib/session/models/drags.h"
 #include "lib/session/tets/tet_task.h"
@@ -48,6 +49,7 @@ const TetBody& mesh_of(const TetStep& step, SessionBody& in, Progress* progress)
 void run_tets(const ModelTask& task) {
   SessionBody& in = task.in;
   StepRecord& record = task.record;
+  record.fem->params = solved_params(*record.fem, true, 0);
   const std::vector<SlotSet> told = task.told();
   const FemTask work{in.held(),   in.cuts(),  in.state.density, in.state.labels, told,
                      task.pieces, task.nodes, nullptr,          in.responses,    {}};

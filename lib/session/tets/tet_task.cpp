@@ -175,8 +175,8 @@ void TetRun::solve(const TetLoads& loads, Progress* progress) {
   TetParams params;
   params.equations = m_settings.equations;
   params.strain = m_step.params.strain;
-  params.tolerance = m_step.params.tolerance;
-  params.reaction_tolerance = m_step.params.reaction_tolerance;
+  params.tolerance = m_step.params.residual_limit();
+  params.reaction_tolerance = m_step.params.reaction_limit();
   params.max_iterations = m_step.params.max_iterations;
   params.loose = m_step.params.loose;
   params.limits = limits_of(m_step.params);

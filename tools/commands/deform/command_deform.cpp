@@ -179,6 +179,9 @@ void print_fem(const FemRecord& record) {
     std::printf("responses       a sum of %d, %d of them found for it\n", report.responses->used,
                 report.responses->solved);
   }
+  if (report.error_mm) {
+    std::printf("error left      %.2g mm of displacements, estimated\n", *report.error_mm);
+  }
   if (report.newton) {
     const NewtonReport& newton = *report.newton;
     std::printf("finite strain   %d load steps and %d given up, %d corrections, det F from %.3g\n",

@@ -140,6 +140,7 @@ Value to_value(const FemRecord& record) {
                 {"solve_ms", report.solve_ms},
                 {"fem_ms", record.milliseconds}};
   if (report.responses) json["responses"] = as_value(*report.responses);
+  if (report.error_mm) json["error_left_mm"] = *report.error_mm;
   if (record.motion) {
     for (const char* of_equilibria :
          {"residual_rms", "largest_force_n", "force_balance", "energy_identity", "energy_mj",
@@ -161,10 +162,9 @@ Value to_value(const FemRecord& record) {
                       {"shortened", report.newton->shortened_steps},
                       {"smallest_det_f", report.newton->smallest_j}};
   }
-  if (record.fitted_pieces > 0) {
-    json["fitted_pieces"] = record.fitted_pieces;
-    json["fitted_max_voxels"] = record.fitted_max_voxels;
-  }
+  const bool has_fitted = record.fitted_pieces > 0;
+  if (has_fitted) json["fitted_pieces"] = record.fitted_pieces;
+  if (has_fitted) json["fitted_max_voxels"] = record.fitted_max_voxels;
   for (const StrainGauge& gauge : record.gauges) {
     Value row = {{"label", gauge.label}, {"elements", gauge.elements}};
     for (std::size_t n = 0; n < kFemQuantities.size(); ++n) {

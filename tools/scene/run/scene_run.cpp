@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "lib/session/fem_limits.h"
 #include "lib/state/state_outputs.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/element_volumes.h"
@@ -139,6 +140,8 @@ void SceneRun::solve(std::size_t n, double time) {
   m_poses->forget();
   Step step = m_scene.steps[n];
   step.tells_reactions = m_tells_reactions;
+  const bool writes_forces = !m_scene.output.motion.empty() || !m_scene.output.forces.empty();
+  if (step.fem && writes_forces && m_scene.labels_path.empty()) settle_reactions(*step.fem);
   m_poses->session()->step(step, &m_progress, time);
 }
 

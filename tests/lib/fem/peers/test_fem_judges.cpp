@@ -369,7 +369,7 @@ bool has_dolfinx() {
 
 TEST(InteropFem, CalculixFindsTheSameDisplacementsAndForcesOnTheSameHexahedra) {
   if (!runs("command -v ccx")) GTEST_SKIP() << "calculix-ccx is not installed";
-  judge_bodies(kAsC3d8, EquationSolver::calculix, FemParams().tolerance);
+  judge_bodies(kAsC3d8, EquationSolver::calculix, FemParams().residual_limit());
 }
 
 TEST(InteropFem, CalculixFindsTheSameOnCommonNodesOfVoxelsThatTouchByEdgesAndCorners) {

@@ -190,6 +190,26 @@ TEST(UnitFemResponses, LoadsAreABaseSolutionAndOtherHeldElementsForgetAll) {
   EXPECT_EQ(known.size(), 0u);
 }
 
+TEST(UnitFemResponses, SolutionsToAWeakerErrorServeNoStricterOne) {
+  const Body body = fem_cube(6);
+  const FemModel model(body, even_elastic());
+  ResponseSet known;
+  const auto changed = [&](const FemParams& params) {
+    FemLoads loads;
+    loads.held.push_back(held(elements_in(body, {Vec3i(2, 2, 5), Vec3i(3, 3, 5)}),
+                              [](const Vec3d&) { return Vec3d(1, 0, 0); }));
+    loads.held.push_back(held(elements_in(body, {Vec3i(0, 0, 0), Vec3i(5, 5, 0)}), nullptr));
+    return model.solve_by(known, loads, params).report.responses->changed;
+  };
+  FemParams weak, strict;
+  weak.error_mm = 0.1;
+  strict.error_mm = 0.01;
+  EXPECT_EQ(changed(weak), "");
+  EXPECT_EQ(changed(weak), "");
+  EXPECT_EQ(changed(strict), "other tolerances");
+  EXPECT_EQ(changed(FemParams()), "other tolerances");
+}
+
 TEST(PropertyFemResponses, SumsHaveTheSameBitsOnAnyNumberOfThreads) {
   const Body body = fem_cube(24);
   const FemModel model(body, even_elastic());

@@ -222,6 +222,32 @@ TEST_F(UnitLiveResponses, ASolidThatIsMadeAheadIsTakenAndChangesNoBits) {
   EXPECT_NE(after.found()->voxels, ahead.voxels());
 }
 
+TEST_F(UnitLiveResponses, ResponsesToATwentiethOfAVoxelServeTheStepToSuch) {
+  const auto by_accuracy = [](Step step, FemAccuracy accuracy) {
+    step.fix.clear();
+    step.drags[0].soft_mm = 0;
+    step.fem->params.set_accuracy(accuracy);
+    return step;
+  };
+  Session session(m_folder / "block.nhdr", m_options), exact(m_folder / "block.nhdr", m_options);
+  Step rest;
+  rest.fix = {{kLiveFloor.lo, kLiveFloor.hi}};
+  session.step(rest);
+  exact.step(rest);
+  LiveResponses live(session.held_body(), by_accuracy(moved({0, 0, 0}), FemAccuracy::voxel),
+                     {{{10, 0, 0}, {}}, {{0, 0, 10}, {}}});
+  live.run(nullptr);
+  session.held_body().responses = live.found();
+  const FemReport report =
+      session.step(by_accuracy(moved({1.5, 0, -1}), FemAccuracy::voxel)).equilibrium.report;
+  EXPECT_EQ(report.responses->solved, 0);
+  EXPECT_EQ(report.responses->changed, "");
+  ASSERT_TRUE(report.error_mm.has_value());
+  EXPECT_LE(*report.error_mm, 0.05);
+  exact.step(by_accuracy(moved({1.5, 0, -1}), FemAccuracy::exact));
+  EXPECT_LE(largest_difference(session.body(), exact.body()), 0.1 * kFixedOne);
+}
+
 TEST_F(UnitLiveResponses, LevelsComeNearerToTheLastAndACancelledRunKeepsWhatItHas) {
   Session session(m_folder / "block.nhdr", m_options);
   Step grab = moved({0, 0, 0});

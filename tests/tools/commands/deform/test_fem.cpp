@@ -152,7 +152,7 @@ TEST_F(UnitFemScene, VolumesGaugesAndReactionsOfAStretchedBarAreThoseByHand) {
   }
 }
 
-TEST_F(UnitFemScene, AccuracySetsBothTolerancesAndWhatStandsBesideItReplacesThem) {
+TEST_F(UnitFemScene, AccuracySetsLimitsAndWhatStandsBesideItReplacesThem) {
   RUN_WHEN_SANITIZED();
   const auto steps = [&](const std::string& fem, const std::string& after = "") {
     const Outcome run = run_supple({"run", scene(fem, after), "-o", m_folder / "out", "--json"});
@@ -163,12 +163,24 @@ TEST_F(UnitFemScene, AccuracySetsBothTolerancesAndWhatStandsBesideItReplacesThem
     const nlohmann::json& settings = step["settings"];
     return std::pair<double, double>(settings["tolerance"], settings["reaction_tolerance"]);
   };
-  const nlohmann::json exact = steps("")[0], picture = steps("accuracy = \"picture\"")[0];
+  const nlohmann::json voxel = steps("accuracy = \"voxel\"")[0], exact = steps("")[0],
+                       picture = steps("accuracy = \"picture\"")[0];
   EXPECT_EQ(tolerances(exact), std::pair(1e-6, 1e-5));
+  EXPECT_FALSE(exact["settings"].contains("error_mm"));
   EXPECT_FALSE(exact["settings"].contains("accuracy"));  // as records were before
   EXPECT_EQ(steps("accuracy = \"exact\"")[0]["settings"], exact["settings"]);
   EXPECT_EQ(tolerances(picture), std::pair(0.1, 0.1));
   EXPECT_LE(picture["fem"]["iterations"], exact["fem"]["iterations"]);
+  EXPECT_EQ(voxel["settings"]["error_mm"], 0.025);  // a twentieth of 0.5 mm
+  EXPECT_FALSE(voxel["settings"].contains("tolerance"));
+  EXPECT_FALSE(voxel["settings"].contains("reaction_tolerance"));
+  EXPECT_LE(voxel["fem"]["error_left_mm"], 0.025);
+  EXPECT_LE(voxel["fem"]["reaction_change"], 0.02);
+  EXPECT_LE(voxel["fem"]["iterations"], exact["fem"]["iterations"]);
+  EXPECT_FALSE(voxel["settings"].contains("accuracy"));
+  // What is recorded is solved again as it was.
+  EXPECT_EQ(steps("error_mm = 0.025")[0]["settings"], voxel["settings"]);
+  EXPECT_EQ(tolerances(steps("tolerance = 0.01")[0]), std::pair(0.01, 1e-5));
   EXPECT_EQ(tolerances(steps("tolerance = 0.01, accuracy = \"picture\"")[0]), std::pair(0.01, 0.1));
 
   // A picture goes on from the one before it; an exact step is a sum of what the one before found.
@@ -186,6 +198,24 @@ TEST_F(UnitFemScene, AccuracySetsBothTolerancesAndWhatStandsBesideItReplacesThem
   EXPECT_NE(by_option.out.find("\"accuracy\": \"picture\""), std::string::npos) << by_option.out;
 }
 
+TEST_F(UnitFemScene, HowAStepIsToldDoesNotChangeWhereItEnds) {
+  RUN_WHEN_SANITIZED();
+  const auto run = [&](const std::string& outputs, const std::vector<std::string>& more) {
+    const std::string path =
+        scene("accuracy = \"voxel\"", "[output]\noffsets = [\"warp.nrrd\"]\n" + outputs);
+    std::vector<std::string> words = {"run", path, "-o", m_folder / "out", "--force"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = run_supple(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return std::pair(read_text(m_folder / "out/warp.nrrd"), outcome.out);
+  };
+  EXPECT_EQ(run("", {}).first, run("", {"--json"}).first);
+  // Forces that a scene writes are asked for.
+  const auto json = nlohmann::json::parse(run("forces = \"forces.csv\"\n", {"--json"}).second);
+  EXPECT_LE(json["steps"][0]["fem"]["reaction_change"], 1e-3);
+  EXPECT_EQ(json["steps"][0]["settings"]["reaction_tolerance"], 1e-3);
+}
+
 TEST_F(UnitFemScene, TheAccuracyOfARunReplacesTheTolerancesOfItsScene) {
   RUN_WHEN_SANITIZED();
   const auto run = [&](const std::string& fem, const std::vector<std::string>& more) {
@@ -201,7 +231,7 @@ TEST_F(UnitFemScene, TheAccuracyOfARunReplacesTheTolerancesOfItsScene) {
   };
   const std::string picture = "accuracy = \"picture\"";
   EXPECT_EQ(settings("", {"--accuracy", "picture"}), settings(picture, {}));
-  EXPECT_EQ(settings(picture, {"--accuracy", "exact"}), settings("", {}));
+  EXPECT_EQ(settings(picture, {"--accuracy", "voxel"}), settings("accuracy = \"voxel\"", {}));
   EXPECT_EQ(settings("tolerance = 0.01", {"--accuracy", "exact"}), settings("", {}));
   EXPECT_EQ(run("", {"--accuracy", "coarse"}).exit_code, 2);
   for (const char* other : {"--method", "--budget", "--error"}) {

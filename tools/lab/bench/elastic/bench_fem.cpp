@@ -11,6 +11,8 @@
 #include "tools/console/console.h"
 #include "tools/lab/bench/benches.h"
 #include "tools/lab/bench/bodies/ecm_bodies.h"
+#include "tools/lab/bench/elastic/error_bodies.h"
+#include "tools/lab/bench/elastic/error_rows.h"
 #include "tools/lab/bench/elastic/fem_problems.h"
 #include "tools/lab/bench/elastic/response_rows.h"
 #include "tools/lab/bench/elastic/tet_rows.h"
@@ -25,6 +27,8 @@ namespace {
 
 /// Number of iterations far above that of any row that converges.
 constexpr int kMostIterations = 1000;
+/// Bodies of each kind of the rows `error`: 120 in all.
+constexpr int kErrorBodies = 12;
 /// The memory that a solve is sure to stay below, per element: the own solver and others.
 constexpr std::int64_t kBytesPerElement = 400, kPeerBytesPerElement = 30000;
 constexpr const char* kSolverNames[] = {"multigrid", "calculix", "calculix-iterative", "dolfinx"};
@@ -38,11 +42,12 @@ struct FemBenchRow {
   TetRow tets;  // of such rows
   ResponseRow responses;
 
-  /// operator/cube/size/precision/threads, solve/field/size/nu, beside/field/size/solver or
-  /// iterations/field/size/contrast/nu.
+  /// operator/cube/size/precision/threads, solve/field/size/nu, beside/field/size/solver,
+  /// iterations/field/size/contrast/nu or error/field.
   std::string name() const {
     if (kind == "tets") return tets.name();
     if (kind == "responses") return responses.name(subject);
+    if (kind == "error") return kind + "/" + subject.field;
     char numbers[64];
     if (kind == "operator") {
       std::snprintf(numbers, sizeof numbers, "%d/%s/%d", subject.size, precision.c_str(), threads);
@@ -131,6 +136,9 @@ std::vector<FemBenchRow> plan_fem(const BenchOptions& options, const std::string
   for (const ResponseRow& row : response_rows()) {
     plan.push_back(row_of_body("responses", "cube", options.quick ? 32 : 64, threads));
     plan.back().responses = row;
+  }
+  for (const std::string& kind : error_kinds()) {
+    plan.push_back(row_of_body("error", kind.c_str(), 0, threads));
   }
   for (const TetRow& row : tet_rows(options.quick)) {
     plan.push_back(row_of_body("tets", "ball", row.size, threads));
@@ -228,6 +236,10 @@ TimedSolve solve_once(const FemProblem& problem, EquationSolver solver, Progress
 BenchRow measure_solve(const FemBenchRow& row, const BenchOptions& options, const std::string& head,
                        Progress& cancel) {
   if (row.kind == "tets") return measure_tets(row.tets, options.quick ? 1 : 3, row.threads, cancel);
+  if (row.kind == "error") {
+    const ThreadLimit limit(row.threads);
+    return measure_errors(row.subject.field, options.quick ? 2 : kErrorBodies, cancel);
+  }
   const FemProblem problem = fem_problem(row.subject, head);
   if (row.kind == "responses") {
     BenchRow fields =
@@ -300,6 +312,7 @@ std::vector<std::string> fem_row_names(const BenchOptions& options, Console& con
 ///   solve       bodies of one material and the head, to the tolerances that steps have;
 ///   iterations  the same of contrasts and Poisson's ratios; what does not converge is a row, too;
 ///   responses   shifts of a cube's plate, solved beside each other, and their sums;
+///   error       true errors of displacements by those that solutions report;
 ///   tets        a swelling ball of tetrahedra.
 /// Throws UsageError when `only` leaves no row, Cancelled.
 BenchReport bench_fem(const BenchOptions& options, Console& console) {
