@@ -1,9 +1,8 @@
 // A scene that is run once for each case of a cohort, each in a process of its own.
 //
-//   DIR/cohort.json           the folder is that of a cohort
-//   DIR/cases/NAME/           a case that is done: what the scene writes, result.json,
-//   thumbnail.jpg DIR/failed/NAME.json      a case that failed DIR/.work/K-of-N/NAME/    a case
-//   that is being run by shard K of N
+// DIR/cohort.json says that the folder is that of a cohort. DIR/cases/NAME has what the scene of a
+// case that is done writes, its result.json and a thumbnail.jpg; DIR/failed/NAME.json tells of one
+// that failed; in DIR/.work/K-of-N/NAME shard K of N runs one.
 //
 // The folder of a case gets its name when all is in it, so that several processes may work in one
 // DIR, and whatever ends them leaves whole cases. A case is known by a digest of its scene, of the

@@ -14,10 +14,6 @@ using namespace std::chrono_literals;
 /// Time in which one level gives way to the next.
 constexpr double kBlend_ms = 200;
 
-}  // namespace
-
-namespace {
-
 /// Cancels where another thread asks for it; says nothing.
 class Listening final : public Progress {
  public:
