@@ -32,7 +32,7 @@ struct ResidualSize {
   /// node adds up.
   double balance = 0;
 
-  /// As small as double precision makes it.
+  /// True if it is as small as double precision makes it.
   bool is_rounding() const { return largest_mn <= kRoundingForce * seen_mn; }
   bool is_within(double tolerance, double reaction_tolerance) const {
     if (is_rounding()) return true;

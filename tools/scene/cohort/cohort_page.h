@@ -1,4 +1,4 @@
-// What became of the cases of a cohort: lines of JSON, a table, and a page with small pictures.
+// Results of the cases of a cohort: lines of JSON, a table, and a page with small pictures.
 #pragma once
 
 #include <string>

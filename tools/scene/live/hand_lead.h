@@ -17,7 +17,7 @@
 
 namespace supple::tools {
 
-/// What the page is told of the responses.
+/// The state of the responses as the page is told it.
 struct LeadState {
   LivePose pose;  // level -1: ChainMail is shown
   Vec3d force_n{0, 0,
