@@ -60,7 +60,9 @@ void move_to_hand_level(const ModelTask& task) {
   stage(task.progress, "following");
   const LivePose pose = live.pose(target);
   Body& body = task.in.body;
+  for (BrickValues& q : body.q) q.resize(body.elements.brick_count());
   LiveShape(body).put(live, pose, body.q);
+  for (auto& fraction : body.fraction) fraction.clear();
   const std::vector<RigidPose> poses = live.piece_poses(pose);
   for (std::size_t n = 0; n < poses.size(); ++n) body.rigid.list[n].pose = poses[n];
   record.equilibrium.links = check_links(body);

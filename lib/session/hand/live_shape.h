@@ -18,7 +18,8 @@ class LiveShape {
  public:
   explicit LiveShape(const Body& body);
 
-  /// Writes the offsets that a pose gives, which must have a level. Those of rigid pieces follow
+  /// Writes the offsets that a pose gives, which must have a level, to `shape`, which has
+  /// the body's bricks. Those of rigid pieces follow
   /// their poses. Those of tissue may differ by one unit from what a step stores.
   void put(const LiveResponses& responses, const LivePose& pose, BodyShape& shape) const;
   /// Writes `from` + `part` (`aim` - `from`); `part` from 0 to 1.
