@@ -18,7 +18,7 @@ SUPPLE_PACKAGES=(
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libgtest-dev
   python3-dev pybind11-dev python3-numpy)
 SUPPLE_JUDGES=(
-  pkg-config lintian zsh fish elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-scipy mypy python3-tifffile
+  pkg-config lintian zsh fish elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-scipy mypy parallel snakemake python3-tifffile
   python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk libgdcm-tools
   libinsighttoolkit5-dev mricron-data openexr openimageio-tools python3-meshio
   calculix-ccx python3-dolfinx chromium nodejs xvfb)

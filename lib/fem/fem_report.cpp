@@ -21,14 +21,14 @@ std::string not_converged_text(const FemReport& report) {
             " given up, " + std::to_string(newton.newton_iterations) +
             " corrections, smallest det F " + number_text(newton.smallest_j) + ")";
   }
+  text += ": residual " + number_text(report.residual_max) + " of the largest nodal force (rms " +
+          number_text(report.residual_rms) + "), reactions changed by " +
+          number_text(report.reaction_change) + " after " + std::to_string(report.iterations) +
+          " iterations, " + std::to_string(report.unknowns) + " unknowns";
   if (report.error_mm) {
     text += ", an estimated error of " + number_text(*report.error_mm) + " mm left";
   }
-  return text + ": residual " + number_text(report.residual_max) +
-         " of the largest nodal force (rms " + number_text(report.residual_rms) +
-         "), reactions changed by " + number_text(report.reaction_change) + " after " +
-         std::to_string(report.iterations) + " iterations, " + std::to_string(report.unknowns) +
-         " unknowns";
+  return text;
 }
 
 }  // namespace
