@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr int kCases = 11;
 
-constexpr const char* kScene = R"([volume]
+constexpr const char* kCohortScene = R"([volume]
 path = "p0.nhdr"
 [material]
 table = "soft.toml"
@@ -58,7 +58,7 @@ class Cohorts : public testing::Test {
  protected:
   Cohorts() {
     write_soft_material(m_folder / "soft.toml");
-    m_folder.write("scene.toml", kScene);
+    m_folder.write("scene.toml", kCohortScene);
     write_ball(m_folder, "p0", 8);
   }
   /// Cases p0, p1 and so on, each with a scan of its own.
@@ -157,7 +157,7 @@ TEST_F(UnitCohort, BrokenCasesAreLinesAndThreeShardsTogetherEqualOneRun) {
 }
 
 TEST_F(UnitCohort, ACaseIsWhatRunMakesOfTheSceneWithItsValues) {
-  m_folder.write("scene.toml", std::string(kScene) + kView);
+  m_folder.write("scene.toml", std::string(kCohortScene) + kView);
   write_ball(m_folder, "a,\"b", 9);
   m_folder.write("cases.csv",
                  "step.by,name,volume\n,first,\n\"[2, 0, 0]\",second,\"'a,\"\"b.nhdr'\"\n");
@@ -184,7 +184,7 @@ TEST_F(UnitCohort, ACaseIsWhatRunMakesOfTheSceneWithItsValues) {
 }
 
 TEST_F(UnitCohort, OnlyWhatHasChangedIsRunAgain) {
-  m_folder.write("scene.toml", std::string(kScene) + kView);
+  m_folder.write("scene.toml", std::string(kCohortScene) + kView);
   write_cases(3);
   const auto known = [&](std::vector<std::string> more = {}) {
     more.emplace_back("--json");
@@ -206,7 +206,7 @@ TEST_F(UnitCohort, OnlyWhatHasChangedIsRunAgain) {
   EXPECT_EQ(known(), Value(1)) << "a scan was made anew with other values";
   EXPECT_EQ(lines_in(in("out/results.jsonl")).size(), 2u);
   EXPECT_EQ(known({"--anew"}), Value(0));
-  m_folder.write("scene.toml", std::string(kScene) + kView + "fit = \"visible\"\n");
+  m_folder.write("scene.toml", std::string(kCohortScene) + kView + "fit = \"visible\"\n");
   EXPECT_EQ(known(), Value(0));
   // A case that fails has no results of other values.
   m_folder.write("p1.raw", "short");
@@ -221,7 +221,7 @@ TEST_F(UnitCohort, OnlyWhatHasChangedIsRunAgain) {
 
 TEST_F(FaultCohort, InterruptedItLeavesWholeCasesAndGoesOnToTheSame) {
   RUN_WHEN_SANITIZED();
-  m_folder.write("scene.toml", std::string(kScene) + kView);
+  m_folder.write("scene.toml", std::string(kCohortScene) + kView);
   write_cases(5);
   ASSERT_EQ(cohort("whole").exit_code, 0);
   for (const int signal : {SIGINT, SIGKILL}) {
