@@ -106,6 +106,7 @@ Value to_value(const StepRecord& record) {
     if (record.relax->bulk_modulus_kpa == 0) step["relax"].erase("bulk_modulus_kpa");
     if (!record.relax->poisson) step["relax"].erase("poisson");
     if (record.relax->budget_million == 0) step["relax"].erase("budget_million");
+    if (record.relax->still_voxels == 0) step["relax"].erase("still_voxels");
   }
   const StepModel& model = model_of(record);
   if (model.settings) step[model.name] = model.settings(record);
