@@ -191,6 +191,7 @@ Value settings_value(const FemStep& step) {
     value["motion"] = fields_value(fields(*copy.motion));
     for (const Vec3i& voxel : copy.motion->watch) value["motion"]["watch"].push_back(voxel);
   }
+  if (copy.hand_levels > 0) value["hand_levels"] = copy.hand_levels;
   for (const Vec3d& direction : copy.directions) value["directions"].push_back(direction);
   if (copy.modes) value["modes"] = fields_value(fields(*copy.modes));
   if (copy.tets) value.update(settings_value(*copy.tets));

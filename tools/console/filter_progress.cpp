@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "tools/console/slicer_module.h"
+#include "tools/scene/chart/template.h"
 
 namespace supple::tools {
 
@@ -15,7 +15,7 @@ FilterProgress::FilterProgress() {
 void FilterProgress::begin(const std::string& stage) {
   if (!m_prints) return;
   end();
-  m_stage = xml_text(stage);
+  m_stage = html_text(stage);
   m_told = 0;
   m_start = std::chrono::steady_clock::now();
   std::printf(

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tools/console/help.h"
+#include "tools/scene/chart/template.h"
 #include "volumes/base/error.h"
 #include "volumes/base/text.h"
 #include "volumes/base/version.h"
@@ -45,7 +46,7 @@ SlicerModule apply_module(const std::string& option, const std::string& what,
 }
 
 std::string tagged(const std::string& name, const std::string& text) {
-  return "<" + name + ">" + xml_text(text) + "</" + name + ">\n";
+  return "<" + name + ">" + html_text(text) + "</" + name + ">\n";
 }
 
 /// The name of an option or positional without its dashes.
@@ -131,22 +132,6 @@ const SlicerModule& slicer_module(const std::string& name) {
     names += (names.empty() ? "" : ", ") + module.name;
   }
   throw UsageError(to_line({"", "slicer-module", "'" + name + "'", names}));
-}
-
-std::string xml_text(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
 }
 
 std::string slicer_xml(const SlicerModule& module, const CLI::App& app) {

@@ -29,9 +29,6 @@ const std::vector<SlicerModule>& slicer_modules();
 /// Throws UsageError for another name.
 const SlicerModule& slicer_module(const std::string& name);
 
-/// Text as XML has it.
-std::string xml_text(const std::string& text);
-
 /// The description of a module, as its --xml prints it. `app`: its command.
 std::string slicer_xml(const SlicerModule& module, const CLI::App& app);
 

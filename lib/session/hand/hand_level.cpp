@@ -1,6 +1,6 @@
 #include "lib/session/hand/hand_level.h"
 
-#include <array>
+#include <cmath>
 
 #include "lib/session/hand/live_shape.h"
 #include "lib/session/hand/solid_ahead.h"
@@ -54,7 +54,8 @@ void move_to_hand_level(const ModelTask& task) {
   drag.by_mm = Vec3d(0);
   drag.motion = {};
   std::vector<DragPose> directions = {target};
-  if (target.motion.is_shift()) directions.push_back({across(target.by_mm), {}});
+  if (target.motion.is_shift() && target.by_mm != Vec3d(0))
+    directions.push_back({across(target.by_mm), {}});
   LiveResponses live(task.in, grab, std::move(directions));
   live.run(&unsaid, ahead.voxels(), fem.hand_levels);
   stage(task.progress, "following");

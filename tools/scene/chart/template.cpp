@@ -5,9 +5,6 @@
 
 namespace supple::tools {
 
-namespace {
-
-/// Text for HTML and XML: & < > " ' as entities, control characters but for ends of lines as ?.
 std::string html_text(const std::string& text) {
   std::string safe;
   for (const char c : text) {
@@ -33,6 +30,8 @@ std::string html_text(const std::string& text) {
   }
   return safe;
 }
+
+namespace {
 
 bool is_there(const Value& value) {
   if (value.is_text()) return !value.text().empty();

@@ -17,4 +17,7 @@ namespace supple::tools {
 /// Throws std::out_of_range for a name of {{name}} that no table has.
 std::string filled(std::string_view text, const Value& values);
 
+/// Text for HTML and XML: & < > " ' as entities, control characters but for ends of lines as ?.
+std::string html_text(const std::string& text);
+
 }  // namespace supple::tools

@@ -210,7 +210,7 @@ TEST_F(UnitLiveResponses, ASolidThatIsMadeAheadIsTakenAndChangesNoBits) {
     return u;
   };
   EXPECT_EQ(at(own), at(with));
-  // Of another body it is not taken.
+  // The solid is not taken for another body.
   EXPECT_TRUE(ahead.is_of(in, *grab.fem));
   Step stiffer;
   stiffer.material = *m_options.material;
@@ -286,7 +286,7 @@ TEST_F(UnitLiveResponses, LevelsComeNearerToTheLastAndACancelledRunKeepsWhatItHa
     EXPECT_LE(sum, before) << level;
     before = sum;
   }
-  // What is told of a level is above its error, where the body moves.
+  // The error that is told of a level is above its own, where the body moves.
   LiveResponses some(session.held_body(), grab, {{{10, 0, 0}, {}}});
   stop.live = &some;
   EXPECT_THROW(some.run(&stop), Cancelled);
@@ -315,7 +315,7 @@ TEST_F(UnitLiveResponses, AStepCanBeWhatAHandHasAtOneOfTheLevels) {
     for (int level = 1; level <= kAllLevels; ++level) {
       step.fem->hand_levels = level;
       Session session(path, m_options);
-      session.step(step);
+      EXPECT_EQ(settings_value(*session.step(step).fem)["hand_levels"].whole(), level);
       apart.push_back(largest_difference(session.body(), solved.body()) / double(kFixedOne));
       bone = session.body().rigid.list[0].pose.shift_q;
       EXPECT_TRUE(session.undo());
@@ -328,6 +328,11 @@ TEST_F(UnitLiveResponses, AStepCanBeWhatAHandHasAtOneOfTheLevels) {
                   0.01 * double(kFixedOne));
     }
   }
+  Step rest = moved({0, 0, 0});
+  rest.fem->hand_levels = 2;
+  Session resting(path, m_options);
+  resting.step(rest);
+  EXPECT_TRUE(resting.body().links_known_valid);
   Step two = moved({0, 0, 1});
   two.drags.push_back(two.drags.front());
   two.fem->hand_levels = 1;

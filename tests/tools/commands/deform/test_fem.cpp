@@ -178,7 +178,7 @@ TEST_F(UnitFemScene, AccuracySetsLimitsAndWhatStandsBesideItReplacesThem) {
   EXPECT_LE(voxel["fem"]["reaction_change"], 0.02);
   EXPECT_LE(voxel["fem"]["iterations"], exact["fem"]["iterations"]);
   EXPECT_FALSE(voxel["settings"].contains("accuracy"));
-  // What is recorded is solved again as it was.
+  // A step of the recorded settings is solved again as it was.
   EXPECT_EQ(steps("error_mm = 0.025")[0]["settings"], voxel["settings"]);
   EXPECT_EQ(tolerances(steps("tolerance = 0.01")[0]), std::pair(0.01, 1e-5));
   EXPECT_EQ(tolerances(steps("tolerance = 0.01, accuracy = \"picture\"")[0]), std::pair(0.01, 0.1));

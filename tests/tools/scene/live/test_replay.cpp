@@ -315,6 +315,19 @@ TEST_F(UnitReplay, ASoftHandleInStiffTissueMayTurnRound) {
   EXPECT_EQ(check_links(make_body(end, read_material(m_folder / "stiff.toml"))).violated, 0);
 }
 
+TEST_F(UnitReplay, AHandLedByFiniteElementsReplaysAtAnySpeed) {
+  const std::string file = journal(
+      event("anchor", "grab_box = [4, 4, 2, 20, 20, 9]") +
+      event("model", "model = \"fem\"\nunder_hand = true") +
+      event("grab", "at = 50\ngrab_ball = [12, 12, 15]\nradius = 2\ndirections = [[10, 0, 0]]") +
+      event("drag", "at = 100\nto = [1, 0, 0]") + event("drag", "at = 400\nto = [3, 0, 0]") +
+      event("release", "at = 450"));
+  const std::string scene = m_folder / "batch.toml";
+  const std::string led = hash(file, "--speed 1 --scene " + scene);
+  EXPECT_EQ(hash(file, "--speed 0 --threads 2"), led);
+  EXPECT_EQ(hash(scene), led);
+}
+
 TEST_F(UnitReplay, AFilmShowsEventsAtTheirTimesAndPausesShortened) {
   const std::string file = journal(
       event("grab", "at = 200\ngrab = [12, 12, 16]") + event("drag", "at = 400\nto = [0, 1, 0]") +

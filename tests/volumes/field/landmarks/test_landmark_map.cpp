@@ -107,7 +107,7 @@ TEST(UnitPointSpline, IsAStationaryPointOfItsEnergy) {
   EXPECT_LT(sum.length(), 1e-10);
   for (const Vec3d& moment : moments) EXPECT_LT(moment.length(), 1e-8);
 
-  // With these weights taken out the field is affine.
+  // The field is affine once these weights are taken out.
   const auto rest = [&](const Vec3d& x) {
     Vec3d vector = spline.at(x);
     for (std::size_t n = 0; n < some.points.size(); ++n) {
