@@ -8,6 +8,8 @@ add_library(supple::supple ALIAS supple_library)
 target_link_libraries(supple_library PRIVATE supple_scene supple_raycast supple_lib supple_volumes)
 set_property(TARGET supple_library PROPERTY LINK_LIBRARY_OVERRIDE
              "WHOLE_ARCHIVE,supple_volumes,supple_lib,supple_raycast,supple_scene")
+target_link_options(supple_library PRIVATE
+                    -Wl,--version-script=${PROJECT_SOURCE_DIR}/cmake/library.map)
 # Public headers take their vectors from Imath.
 target_link_libraries(supple_library PUBLIC Imath::Imath)
 target_include_directories(supple_library INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

@@ -30,6 +30,12 @@ if grep -rE -- "-march|-Wall|-Werror|cmake_pch|$source|$build" $prefix/lib/cmake
   exit 1
 fi
 
+# The host program has its own operator new.
+if nm -D --defined-only "$(find "$prefix" -name 'libsupple.so*' -type f -not -path '*hwcaps*' | head -n 1)" | grep -w _Znwm; then
+  echo "the library replaces operator new of its host"
+  exit 1
+fi
+
 # Each installed header compiles alone, and all of them are those of the list.
 headers=$(cd "$prefix/include" && find supple -name '*.h' ! -name density_grid_vdb.h)
 test "$(echo "$headers" | wc -l)" = "$(grep -c '^[^#].*\.h$' "$source/cmake/PublicHeaders.txt" | awk '{print $1 - 1}')"

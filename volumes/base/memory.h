@@ -1,11 +1,11 @@
 // Memory: how much the process holds and may still take, enough of it before libraries run that
-// crash where a small allocation fails, and large arrays and the heap in pages of 2 MiB: the first
-// touch of 4 kB pages takes as long as the inversion of their contents.
+// crash where a small allocation fails, and the heap in pages of 2 MiB: the first touch of 4 kB
+// pages takes as long as the inversion of their contents. Large arrays are so by themselves
+// (large_arrays.cpp).
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include <sys/mman.h>
 
@@ -60,15 +60,6 @@ inline void ask_for_huge_pages(void* memory, std::size_t bytes) {
 /// Asks that they be small, for an array of which little will be touched.
 inline void ask_for_small_pages(void* memory, std::size_t bytes) {
   advise_huge_pages(memory, bytes, MADV_NOHUGEPAGE);
-}
-
-/// An empty vector with room for `count` elements, in large pages.
-template <class T>
-std::vector<T> reserve_in_huge_pages(std::size_t count) {
-  std::vector<T> vector;
-  vector.reserve(count);
-  ask_for_huge_pages(vector.data(), count * sizeof(T));
-  return vector;
 }
 
 }  // namespace supple

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "volumes/base/memory.h"
 #include "volumes/base/simd.h"
 #include "volumes/grid/padded_rows.h"
 #include "volumes/grid/voxel_sets.h"
@@ -239,9 +238,7 @@ void NodeSlots::reserve(std::size_t more) {
   const std::size_t fresh = more > m_free.size() ? more - m_free.size() : 0;
   const std::size_t count = (std::size_t(m_count) + fresh) * m_slot_floats + 1;
   if (count <= m_floats.capacity()) return;
-  std::vector<float> larger = reserve_in_huge_pages<float>(count);
-  larger.insert(larger.end(), m_floats.begin(), m_floats.end());
-  m_floats.swap(larger);
+  m_floats.reserve(count);
 }
 
 NodeDerivatives derivatives_of(const Float4 (&c)[8], float x, float y, float z) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "volumes/base/memory.h"
-
 namespace supple {
 
 namespace {
@@ -69,7 +67,6 @@ void BrickArray<T>::add_chunk(std::size_t count) {
   const std::size_t wanted = m_chunk_bricks + count;
   if (m_free.capacity() < wanted) m_free.reserve(std::max(wanted, 2 * m_free.capacity()));
   m_chunks.push_back(std::unique_ptr<Brick[]>(new Brick[count]));
-  if (count > kMaxChunk) ask_for_huge_pages(m_chunks.back().get(), count * sizeof(Brick));
   m_chunk_bricks += count;
   for (std::size_t n = count; n > 0; --n) m_free.push_back(m_chunks.back()[n - 1].values);
 }
