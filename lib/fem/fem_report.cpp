@@ -128,6 +128,30 @@ void balance(const NodalLoads& loads, const std::vector<double>& u, const std::v
   report.energy_identity = least_energy > 0 ? std::abs(work_of_residual) / least_energy : 0;
 }
 
+namespace {
+
+/// The force in N with which the body pulls at what holds the n-th node of a set.
+Vec3d pull_of_node(const NodalLoads& loads, std::size_t held, std::size_t n,
+                   const std::vector<double>& r) {
+  const NodeIndex node = loads.nodes_of[held][n];
+  Vec3d force(0);
+  for (int a = 0; a < 3; ++a) {
+    if ((loads.held[node] >> a & 1) == 0) continue;
+    force[a] = r[3 * std::size_t(node) + std::size_t(a)] * loads.share(held, n) * kNPerMn;
+  }
+  return force;
+}
+
+}  // namespace
+
+Vec3d pull_n(const NodalLoads& loads, std::size_t held, const std::vector<double>& r) {
+  Vec3d sum(0);
+  for (std::size_t n = 0; n < loads.nodes_of[held].size(); ++n) {
+    sum += pull_of_node(loads, held, n, r);
+  }
+  return sum;
+}
+
 std::vector<FemReaction> reactions_of(const ElasticSolid& solid, const NodalLoads& loads,
                                       const std::vector<double>& r,
                                       const std::vector<double>* u_mm) {
@@ -146,12 +170,7 @@ std::vector<FemReaction> reactions_of(const ElasticSolid& solid, const NodalLoad
     }
     if (!nodes.empty()) reaction.centre_mm /= double(nodes.size());
     for (std::size_t n = 0; n < nodes.size(); ++n) {
-      // The body pulls with r at what holds the node.
-      Vec3d force(0);
-      for (int a = 0; a < 3; ++a) {
-        if ((loads.held[nodes[n]] >> a & 1) == 0) continue;
-        force[a] = r[3 * std::size_t(nodes[n]) + std::size_t(a)] * loads.share(held, n) * kNPerMn;
-      }
+      const Vec3d force = pull_of_node(loads, held, n, r);
       reaction.force_n += force;
       reaction.moment_nmm += (positions[n] - reaction.centre_mm).cross(force);
     }

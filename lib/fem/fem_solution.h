@@ -26,6 +26,9 @@ std::vector<FemReaction> reactions_of(const ElasticSolid& solid, const NodalLoad
                                       const std::vector<double>& r,
                                       const std::vector<double>* u_mm = nullptr);
 
+/// The force alone in N, LPS, on what the `held`-th of loads.nodes_of holds.
+Vec3d pull_n(const NodalLoads& loads, std::size_t held, const std::vector<double>& r);
+
 /// Writes how large a residual is, and how far elements moved.
 void note(const ResidualSize& size, FemReport& report);
 void note(const LargestMotion& largest, FemReport& report);

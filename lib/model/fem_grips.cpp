@@ -5,6 +5,7 @@
 #include "lib/body/node_offsets.h"
 #include "lib/fem/voxel/fem_results.h"
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 
 namespace supple {
 
@@ -45,6 +46,7 @@ FemGrip grip_of(const Body& body, const SlotSet& slots) {
 }
 
 /// Numbers of fields.
+constexpr Grain kBlocks{16};
 constexpr int kAnchors = 0, kHeld = 1, kPoints = 2, kFirstHandle = 3;
 
 Vec3d in_voxels(const std::array<std::int32_t, 3>& q) {
@@ -205,11 +207,12 @@ std::vector<Vec3d> element_velocities(const HexMesh& mesh, const Body& body) {
 }
 
 std::vector<Vec3d> at_centres(const HexMesh& mesh, const std::vector<double>& nodes) {
-  std::vector<Vec3d> values;
-  values.reserve(std::size_t(mesh.element_count()));
-  for (std::int32_t e = 0; e < mesh.element_count(); ++e) {
-    values.push_back(centre_displacement(mesh, nodes, e));
-  }
+  std::vector<Vec3d> values(std::size_t(mesh.element_count()));
+  parallel_for(mesh.block_count(), kBlocks, [&](std::size_t b) {
+    for (std::int32_t e = mesh.element_begin[b]; e < mesh.element_begin[b + 1]; ++e) {
+      values[std::size_t(e)] = centre_displacement(mesh.corners_in(b, e), nodes);
+    }
+  });
   return values;
 }
 

@@ -74,6 +74,7 @@ void HeldCorners::say_field(const std::vector<std::size_t>& members, bool is_end
   const Body& body = m_corners.body();
   std::vector<Slot> slots;
   std::vector<Vec3d> offsets, from;
+  bool stays = true;
   for (const std::size_t g : members) {
     const FemGrip& grip = m_grips[g];
     grip.slots.for_each([&](Slot slot) { slots.push_back(slot); });
@@ -82,6 +83,13 @@ void HeldCorners::say_field(const std::vector<std::size_t>& members, bool is_end
     const std::vector<Vec3d>& begin =
         grip.motion && !grip.motion->from.empty() ? grip.motion->from : grip.start;
     from.insert(from.end(), begin.begin(), begin.end());
+    stays = stays && !grip.motion;
+  }
+  m_at_corners.reserve(slots.size());
+  const auto is_zero = [](const Vec3d& offset) { return offset == Vec3d(0.0); };
+  if (stays && std::all_of(offsets.begin(), offsets.end(), is_zero)) {
+    stay(members);
+    return;
   }
   const FieldSteps field(m_corners, slots, offsets);
   std::optional<FieldSteps> other;
@@ -109,6 +117,18 @@ void HeldCorners::say_field(const std::vector<std::size_t>& members, bool is_end
                          std::int32_t(g));
       }
     }
+  }
+}
+
+/// What say_field() says where all is at rest: all corners stay.
+void HeldCorners::stay(const std::vector<std::size_t>& members) {
+  for (const std::size_t g : members) {
+    m_grips[g].slots.for_each([&](Slot slot) {
+      const int rank = m_grips[g].rank(m_corners.body().rigid.at(slot) >= 0);
+      for (const NodeIndex node : m_corners(slot)) {
+        m_at_corners.say(node, Vec3d(0.0), rank, std::int32_t(g));
+      }
+    });
   }
 }
 

@@ -23,6 +23,8 @@ class CornerOffsets {
  public:
   explicit CornerOffsets(const HexMesh& mesh) : m_place(std::size_t(mesh.node_count()), -1) {}
 
+  /// Room for the nodes of so many more elements, nearly.
+  void reserve(std::size_t elements) { m_sums.reserve(m_sums.size() + elements); }
   void say(NodeIndex node, const Vec3d& offset, int rank, std::int32_t grip);
 
   /// The mean of the offsets that elements of the first rank ask.
@@ -59,6 +61,7 @@ class HeldCorners {
 
  private:
   void say_field(const std::vector<std::size_t>& members, bool is_end);
+  void stay(const std::vector<std::size_t>& members);
   void refine();
   const CornerOffsets& nodes() const { return m_at_nodes ? *m_at_nodes : m_at_corners; }
   HeldElements held_by(std::int32_t number) const;

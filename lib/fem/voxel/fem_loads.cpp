@@ -5,6 +5,7 @@
 #include "lib/fem/voxel/cell_classes.h"
 #include "lib/fem/voxel/voxel_nodes.h"
 #include "volumes/base/error.h"
+#include "volumes/base/parallel.h"
 #include "volumes/base/units.h"
 #include "volumes/grid/brick_topology.h"
 
@@ -14,6 +15,7 @@ namespace {
 
 /// (kg/m^3) (m/s^2) mm^3 in mN.
 constexpr double kWeightMn = 1e-6;
+constexpr Grain kBlocks{16};
 
 template <class Visit>
 void for_each_element(const HexMesh& mesh, const SlotSet& slots, Visit&& visit) {
@@ -35,16 +37,23 @@ void require_finite(const Vec3d& value, const char* what) {
 /// Nodes of the elements, ascending, each once; with positions where `where` asks for them.
 std::vector<NodeIndex> nodes_of_elements(const HexMesh& mesh, const SlotSet& elements,
                                          const std::function<bool(const Vec3d&)>& where) {
-  std::vector<NodeIndex> nodes;
+  std::vector<bool> is_of(std::size_t(mesh.node_count()));
+  std::size_t count = 0;
   for_each_element(mesh, elements, [&](std::int32_t block, std::int32_t e) {
     const Corners corners = mesh.corners_in(std::size_t(block), e);
     for (int c = 0; c < 8; ++c) {
+      const auto node = std::size_t(corners[c]);
+      if (is_of[node]) continue;
       if (where && !where(corner_position(mesh, block, mesh.offset[e], c))) continue;
-      nodes.push_back(corners[c]);
+      is_of[node] = true;
+      ++count;
     }
   });
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  std::vector<NodeIndex> nodes;
+  nodes.reserve(count);
+  for (std::size_t node = 0; nodes.size() < count; ++node) {
+    if (is_of[node]) nodes.push_back(NodeIndex(node));
+  }
   return nodes;
 }
 
@@ -209,8 +218,9 @@ HeldBits held_bits(const HexMesh& voxels, const std::vector<HeldElements>& held)
 
 std::vector<double> forces_within_held(const HexMesh& voxels, const VoxelMaterial& material,
                                        const NodalLoads& loads) {
-  std::vector<double> forces;
-  for (std::size_t block = 0; block < voxels.block_count(); ++block) {
+  // Calls visit(element, corners, u) for the elements that are held and strained, until it is
+  // false.
+  const auto for_strained = [&](std::size_t block, auto&& visit) {
     for (std::int32_t e = voxels.element_begin[block]; e < voxels.element_begin[block + 1]; ++e) {
       const Corners corners = voxels.corners_in(block, e);
       if (held_corners(corners, loads.held) != kAllCornersHeld) continue;
@@ -220,8 +230,21 @@ std::vector<double> forces_within_held(const HexMesh& voxels, const VoxelMateria
         u[n] = loads.u_mm[3 * std::size_t(corners[n / 3]) + n % 3];
         is_shifted = is_shifted && u[n] == u[n % 3];
       }
-      if (is_shifted) continue;
-      if (forces.empty()) forces.assign(loads.u_mm.size(), 0.0);
+      if (!is_shifted && !visit(e, corners, u)) return;
+    }
+  };
+  std::vector<std::uint8_t> is_strained(voxels.block_count());
+  parallel_for(voxels.block_count(), kBlocks, [&](std::size_t block) {
+    for_strained(block, [&](std::int32_t, const Corners&, const Vector24&) {
+      is_strained[block] = 1;
+      return false;
+    });
+  });
+  std::vector<double> forces;
+  for (std::size_t block = 0; block < voxels.block_count(); ++block) {
+    if (is_strained[block] == 0) continue;
+    if (forces.empty()) forces.assign(loads.u_mm.size(), 0.0);
+    for_strained(block, [&](std::int32_t e, const Corners& corners, const Vector24& u) {
       const std::uint8_t of_class = material.classes[std::size_t(e)];
       const double shear = material.moduli.shear[of_class], bulk = material.moduli.bulk[of_class];
       for (std::size_t row = 0; row < 24; ++row) {
@@ -231,7 +254,8 @@ std::vector<double> forces_within_held(const HexMesh& voxels, const VoxelMateria
               (shear * material.matrix.shear[row][n] + bulk * material.matrix.bulk[row][n]) * u[n];
         }
       }
-    }
+      return true;
+    });
   }
   return forces;
 }

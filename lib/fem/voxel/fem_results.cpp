@@ -152,8 +152,12 @@ double volume_change_mm3(const HexMesh& voxels, const VoxelMaterial& material,
 
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,
                           std::int32_t element) {
+  return centre_displacement(voxels.corners(element), u_mm);
+}
+
+Vec3d centre_displacement(const Corners& corners, const std::vector<double>& u_mm) {
   Vec3d sum(0);
-  for (const NodeIndex node : voxels.corners(element)) {
+  for (const NodeIndex node : corners) {
     const double* u = &u_mm[3 * std::size_t(node)];
     sum += Vec3d(u[0], u[1], u[2]);
   }

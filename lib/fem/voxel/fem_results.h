@@ -45,5 +45,6 @@ double volume_change_mm3(const HexMesh& voxels, const VoxelMaterial& material,
 /// Displacement of an element's centre in mm, LPS: the mean of its eight corners.
 Vec3d centre_displacement(const HexMesh& voxels, const std::vector<double>& u_mm,
                           std::int32_t element);
+Vec3d centre_displacement(const Corners& corners, const std::vector<double>& u_mm);
 
 }  // namespace supple

@@ -199,26 +199,27 @@ std::vector<NodalLoads> LiveResponses::loads(const VoxelFemModel& model, const F
 std::shared_ptr<LiveResponses::Level> LiveResponses::level_of(
     const VoxelFemModel& model, const std::vector<NodalLoads>& loads,
     const std::vector<NodalSolution>& solutions, const Level* before) const {
+  const std::size_t count = solutions.size();
   auto level = std::make_shared<Level>();
-  for (std::size_t n = 0; n < solutions.size(); ++n) {
+  level->force_n.resize(count, Vec3d(0.0));
+  level->pieces.resize(count);
+  std::vector<std::vector<float>> fields(count);
+  parallel_for(count, [&](std::size_t n) {
     const std::vector<Vec3d> centres = model.centres_mm(solutions[n].u_mm);
-    level->pieces.push_back(m_fits.moments(centres));
-    std::vector<float> values;
-    values.reserve(3 * centres.size());
-    for (const Vec3d& centre : centres) {
-      for (int a = 0; a < 3; ++a) values.push_back(float(centre[a]));
+    level->pieces[n] = m_fits.moments(centres);
+    fields[n].resize(3 * centres.size());
+    for (std::size_t e = 0; e < centres.size(); ++e) {
+      for (int a = 0; a < 3; ++a) fields[n][3 * e + std::size_t(a)] = float(centres[e][a]);
     }
-    level->field.add(std::move(values));
-    const std::vector<FemReaction> reactions =
-        reactions_of(model.solid(), loads[n], solutions[n].residual_mn);
-    Vec3d& force = level->force_n.emplace_back(0.0);
-    for (std::size_t g = 0; g < reactions.size(); ++g) {
-      if (m_is_handle[g]) force += reactions[g].force_n;
+    for (std::size_t g = 0; g < m_is_handle.size(); ++g) {
+      if (m_is_handle[g]) level->force_n[n] += pull_n(loads[n], g, solutions[n].residual_mn);
     }
-    if (before != nullptr) {
-      level->change_mm.push_back(
-          percentile(level->field.changes(n, before->field, kSample, kMoved), kSampled));
-    }
+  });
+  for (std::vector<float>& values : fields) level->field.add(std::move(values));
+  if (before == nullptr) return level;
+  for (std::size_t n = 0; n < count; ++n) {
+    level->change_mm.push_back(
+        percentile(level->field.changes(n, before->field, kSample, kMoved), kSampled));
   }
   return level;
 }
