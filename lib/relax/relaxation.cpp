@@ -46,9 +46,9 @@ int spring_links(const Body& body, bool conserves_volume) {
 
 Fields fields(RelaxParams& params) {
   return {
-      Field("passes", params.passes, "Relax the body elastically, by at most so many passes")
+      Field("passes", params.passes, "Relax the body, at most so many passes")
           .range(1, kMaxPasses)
-          .otherwise("20, where any of these is given")
+          .otherwise("20 beside others")
           .option("relax"),
       Field("method", params.method, kMethodNames,
             "plain (the thesis' pass, breaks limits), jacobi, red-black or accelerated"),
@@ -58,7 +58,7 @@ Fields fields(RelaxParams& params) {
           .at_least(0)
           .recorded_as("tolerance_voxels"),
       Field("bulk_modulus", params.bulk_modulus_kpa,
-            "Bulk modulus with which relaxed tissue keeps its volume; 0: it does not")
+            "Bulk modulus by which relaxed tissue keeps its volume")
           .unit("kPa")
           .range(0, kMaxBulkModulusKpa)
           .option("bulk-modulus")

@@ -72,10 +72,8 @@ void add_body_options(CLI::App& app, BodyOptions& options) {
   app.add_option("--material", options.material,
                  "Look-up table of link limits, or a preset such as ct-head")
       ->option_text("M.toml|NAME");
-  app.add_option(
-         "--labels", options.labels,
-         "Label volume on the same grid: for [label.N] of the material, and label:N below, a "
-         "number or a segment's name")
+  app.add_option("--labels", options.labels,
+                 "Label volume for [label.N] of the material and label:N below")
       ->option_text("FILE");
   app.add_option("--fix", options.fixes, "What stays where it is, as --grab of deform names it")
       ->allow_extra_args(false)

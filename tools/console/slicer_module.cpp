@@ -33,7 +33,9 @@ SlicerModule apply_module(const std::string& option, const std::string& what,
                          {{"deformation", "transform", kWarp, false, "Transform"},
                           {option, element, attributes, false, what},
                           {"output", element, attributes, true, "Moved " + what}},
-                         {"raw", "frame", "channel", "spacing"}};
+                         {"raw", "frame", "channel", "spacing"},
+                         {},
+                         ""};
   if (option == "labels") {
     module.files.push_back({"grid", "image", kVolume, false, "Grid of the result"});
   } else {
@@ -42,6 +44,30 @@ SlicerModule apply_module(const std::string& option, const std::string& what,
   for (const char* other : {"points", "mesh", "labels"}) {
     if (other != option) module.left_out.emplace_back(other);
   }
+  return module;
+}
+
+/// A module of `deform`: points of one list go to those of another. `left_out`: more options.
+SlicerModule deform_module(const std::string& name, const std::string& title,
+                           const std::string& description, std::vector<std::string> left_out,
+                           std::vector<std::string> fixed) {
+  SlicerModule module = {
+      name,
+      "deform",
+      title,
+      description,
+      {{"input", "image", kVolume, false, "Volume"},
+       {"labels", "image", kLabels, false, "Labels of the material"},
+       {"grab", "pointfile", kPoints, false, "Points that are dragged"},
+       {"to", "pointfile", kPoints, false, "Where they go, in the same order"},
+       {"fix", "pointfile", kPoints, false, "Points that stay"},
+       {"output", "transform", kWarp, true, "Transform"},
+       {"moved", "image", kVolume, true, "Deformed volume"}},
+      {"cut", "remove", "rigid", "rigid-seed", "raw", "frame", "channel", "spacing", "by",
+       "retract", "push", "release", "contact", "load", "elements", "refer", "dry-run"},
+      std::move(fixed),
+      "ct-head"};
+  module.left_out.insert(module.left_out.end(), left_out.begin(), left_out.end());
   return module;
 }
 
@@ -94,11 +120,14 @@ std::string file_xml(const SlicerFile& file, const CLI::Option& option) {
          tagged("channel", file.is_output ? "output" : "input") + "</" + file.element + ">\n";
 }
 
-std::string parameter_xml(const CLI::Option& option) {
+std::string parameter_xml(const SlicerModule& module, const CLI::Option& option) {
   const std::string name = bare_name(option), words = value_words(option);
   const std::string common = common_elements(name, label_of(name), option);
   if (option.get_items_expected_max() == 0) {
     return "<boolean>\n" + common + tagged("default", "false") + "</boolean>\n";
+  }
+  if (name == "material" && !module.material.empty()) {
+    return "<string>\n" + common + tagged("default", module.material) + "</string>\n";
   }
   if (words.empty()) return "<string>\n" + common + "</string>\n";
   std::string elements = tagged("default", kUnset) + tagged("element", kUnset);
@@ -111,6 +140,17 @@ std::string parameter_xml(const CLI::Option& option) {
 
 const std::vector<SlicerModule>& slicer_modules() {
   static const std::vector<SlicerModule> modules = {
+      deform_module("deform", "Deform by Points",
+                    "Tissue follows points that are dragged, within the limits of its material.",
+                    {}, {}),
+      deform_module(
+          "finite-elements", "Deform by Finite Elements",
+          "Elastic equilibrium of tissue of which points are dragged.",
+          {"model", "limits", "no-relax", "relax", "relax-method", "relax-tolerance",
+           "bulk-modulus", "relax-budget", "springs-minimise", "springs-time", "springs-step",
+           "springs-integrator", "springs-mass-damping", "springs-tolerance", "springs-steps",
+           "springs-gravity", "springs-structural", "springs-shear", "springs-bending"},
+          {"--model", "fem"}),
       {"invert",
        "invert",
        "Invert a Deformation",
@@ -118,7 +158,9 @@ const std::vector<SlicerModule>& slicer_modules() {
        {{"field", "transform", kWarp, false, "Transform"},
         {"output", "transform", kWarp, true, "Inverse"},
         {"grid", "image", kVolume, false, "Grid of the result"}},
-       {"intent", "compress", "direction"}},
+       {"intent", "compress", "direction"},
+       {},
+       ""},
       apply_module("points", "Points", "pointfile", kPoints),
       apply_module("mesh", "Models", "geometry", kMesh),
       apply_module("labels", "Labels", "image", kLabels)};
@@ -139,7 +181,7 @@ std::string slicer_xml(const SlicerModule& module, const CLI::App& app) {
   for (const CLI::Option* option : options_of_module(module, app)) {
     const SlicerFile* file = file_of(module, bare_name(*option));
     (file != nullptr ? files : others) +=
-        file != nullptr ? file_xml(*file, *option) : parameter_xml(*option);
+        file != nullptr ? file_xml(*file, *option) : parameter_xml(module, *option);
   }
   std::string xml =
       "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<executable>\n" + tagged("category", "Supple") +
@@ -158,7 +200,7 @@ std::string slicer_xml(const SlicerModule& module, const CLI::App& app) {
 
 std::vector<std::string> slicer_arguments(const SlicerModule& module, const CLI::App& app,
                                           const std::vector<std::string>& given) {
-  std::vector<std::string> arguments, positionals;
+  std::vector<std::string> arguments = module.fixed, positionals;
   const std::vector<const CLI::Option*> options = options_of_module(module, app);
   for (std::size_t n = 0; n < given.size(); ++n) {
     const std::string name = given[n].rfind("--", 0) == 0 ? given[n].substr(2) : "";

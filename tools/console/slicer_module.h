@@ -22,6 +22,8 @@ struct SlicerModule {
   std::string name, command, title, description;
   std::vector<SlicerFile> files;      // all others are parameters
   std::vector<std::string> left_out;  // options that Slicer has no use for
+  std::vector<std::string> fixed;     // arguments that the command always has
+  std::string material;               // preset that the panel begins with
 };
 
 /// The modules that there are.

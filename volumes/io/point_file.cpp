@@ -205,6 +205,18 @@ PointFile read_point_file(const std::string& path) {
   return PointReader(path, std::move(content)).read();
 }
 
+PointFile led_to(PointFile from, const PointFile& to) {
+  if (to.rows.size() != from.rows.size()) {
+    throw InputError({to.path, "points", std::to_string(to.rows.size()),
+                      std::to_string(from.rows.size()) + " as in " + from.path});
+  }
+  for (std::size_t n = 0; n < to.rows.size(); ++n) {
+    from.rows[n].by_lps_mm = to.rows[n].at_lps_mm - from.rows[n].at_lps_mm;
+  }
+  from.has_displacements = true;
+  return from;
+}
+
 void write_points_like(const std::string& path, const PointFile& file,
                        const std::vector<Vec3d>& points_lps_mm) {
   std::string text;

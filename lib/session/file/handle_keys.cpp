@@ -10,8 +10,8 @@ namespace supple {
 namespace {
 
 /// Keys of handles that are no plain fields.
-constexpr std::initializer_list<const char*> kOtherKeys = {"grab",  "grab_box", "grab_label",
-                                                           "at_mm", "points",   "path"};
+constexpr std::initializer_list<const char*> kOtherKeys = {
+    "grab", "grab_box", "grab_label", "at_mm", "points", "to", "path"};
 
 std::int32_t label_of(const Table& table, const std::string& key, const std::string& text,
                       const LabelNames& names) {
@@ -90,12 +90,30 @@ void read_selection(Table& table, const LabelNames& names, PlacedSelection& give
   }
   if (given.ball.has_value() != given.radius_mm.has_value()) {
     if (given.ball) table.fail_missing("radius", "of the ball, a number of mm");
-    table.fail("radius", "a radius without a ball", "grab_ball = [i, j, k] beside it");
+    if (!given.points) {
+      table.fail("radius", "a radius without a ball", "grab_ball = [i, j, k] beside it");
+    }
   }
   if (given.density && !(given.density->first <= given.density->second)) {
     table.fail("grab_density", "the larger one first", "[LEAST, LARGEST]");
   }
   given.keys = keys_that_hold(table);
+}
+
+/// True where each point is a handle of its own.
+bool has_own_ways(const PlacedHandle& handle) {
+  return handle.points && handle.points->has_displacements;
+}
+
+/// Where points go, pair by pair.
+void read_targets(Table& table, PlacedHandle& handle) {
+  const std::optional<PointFile> to = read_points(table, "to");
+  if (!to) return;
+  if (!handle.points || handle.points->has_displacements) {
+    table.fail("to", handle.points ? "beside points with displacements" : "without points",
+               "points = \"file.csv\" with columns x, y, z beside it");
+  }
+  handle.points = led_to(std::move(*handle.points), *to);
 }
 
 void check_turn(const Table& table, const Drag& drag) {
@@ -110,9 +128,13 @@ void check_turn(const Table& table, const Drag& drag) {
   if (handle.about && !handle.rotate_deg && !scales && !drag.is_animated()) {
     table.fail("about", "a point without rotate or scale", "one of both");
   }
-  if (drag.soft_mm > 0 &&
-      (handle.piece_at || !(handle.corners || handle.ball || handle.at_lps_mm))) {
+  if (drag.soft_mm > 0 && (handle.piece_at || !(handle.corners || handle.ball || handle.at_lps_mm ||
+                                                has_own_ways(handle)))) {
     table.fail("soft", "an edge of something else", "an edge of a voxel, box or ball");
+  }
+  if (handle.points && handle.radius_mm && !has_own_ways(handle)) {
+    table.fail("radius", "a radius of points that go as one",
+               "points with displacements or to = \"file.csv\"");
   }
 }
 
@@ -147,7 +169,7 @@ void read_poses(Table& table, Drag& drag) {
   }
   if (turns && !has_axis) table.fail_missing("axis", "the direction [x, y, z] of the turns");
   if (!turns && has_axis) table.fail("axis", "an axis without rotate", "both");
-  if (handle.points && handle.points->has_displacements) {
+  if (has_own_ways(handle)) {
     table.fail("path", "a path beside the displacements of the points", "one of both");
   }
 }
@@ -210,12 +232,13 @@ Drag read_handle(Table& table, const LabelNames& names) {
   table.know({"by", "by_mm_lps"});
   has_handle(table);
   read_selection(table, names, handle);
+  read_targets(table, handle);
   table.read(fields(drag));
   read_poses(table, drag);
   check_turn(table, drag);
   if (drag.is_animated()) return drag;
   const bool is_posed = handle.rotate_deg || handle.scale || handle.scale_axes;
-  if (handle.points && handle.points->has_displacements) {
+  if (has_own_ways(handle)) {
     if (!handle.by && !handle.by_lps_mm && !is_posed) return drag;
     table.fail(handle.by           ? "by"
                : handle.by_lps_mm  ? "by_mm_lps"

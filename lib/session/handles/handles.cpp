@@ -40,14 +40,25 @@ std::string file_name(const PointFile& points) {
   return std::filesystem::path(points.path).filename().string();
 }
 
-/// Makes every point a handle of its own, named by its line.
-std::vector<Drag> drags_of_points(const PointFile& points, bool pushes, const Geometry& geometry) {
+/// Makes every point a handle of its own, named by its line: a voxel, or a ball around it.
+std::vector<Drag> drags_of_points(const Drag& handle, const Geometry& geometry) {
+  const PointFile& points = *handle.placed->points;
   std::vector<Drag> drags;
   for (const PointFile::Row& row : points.rows) {
     const std::string name = file_name(points) + ":" + std::to_string(row.line);
-    drags.push_back({Region::of_points({voxel_of(points, row, geometry)}, name),
-                     along_grid(row.by_lps_mm, geometry)});
-    drags.back().pushes = pushes;
+    const Vec3i voxel = voxel_of(points, row, geometry);
+    Drag& drag = drags.emplace_back(handle);
+    drag.placed.reset();
+    drag.region = Region::of_points({voxel}, name);
+    drag.by_mm = along_grid(row.by_lps_mm, geometry);
+    if (const std::optional<double> radius_mm = handle.placed->radius_mm) {
+      drag.selection.emplace();
+      drag.selection->ball_index = geometry.index_from_world(row.at_lps_mm);
+      drag.selection->radius_mm = *radius_mm;
+    } else if (handle.soft_mm > 0) {
+      drag.selection.emplace();
+      drag.selection->box = IndexBox{voxel, voxel};
+    }
   }
   return drags;
 }
@@ -108,7 +119,10 @@ Fields fields(PlacedSelection& given) {
             "Places are voxels, and directions mm along the grid axes; or both are mm in LPS or "
             "RAS"),
       Field("grab_ball", given.ball, "Centre of a ball, whose elements are grabbed"),
-      Field("radius", given.radius_mm, "Of the ball").unit("mm").at_least(0),
+      Field("radius", given.radius_mm,
+            "Of the ball, or of one around each point that goes its own way")
+          .unit("mm")
+          .at_least(0),
       Field("grab_density", given.density,
             "Elements of these densities, of the box or ball if there is one"),
       Field("piece_at", given.piece_at,
@@ -231,7 +245,7 @@ std::vector<Drag> to_drags(const Drag& handle, const Geometry& geometry, double 
   if (!handle.placed) return {handle};
   const PlacedHandle& given = *handle.placed;
   if (given.points && given.points->has_displacements) {
-    return drags_of_points(*given.points, handle.pushes, geometry);
+    return drags_of_points(handle, geometry);
   }
   Drag drag = handle;
   drag.placed.reset();

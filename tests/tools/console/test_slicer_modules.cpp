@@ -45,10 +45,9 @@ using InteropSlicerModules = SlicerModules;
 using FaultSlicerModules = SlicerModules;
 
 TEST_F(InteropSlicerModules, DescriptionsAreValidAndEveryFlagIsThatOfTheCommand) {
-  const std::pair<const char*, const char*> modules[] = {{"invert", "invert"},
-                                                         {"apply-points", "apply"},
-                                                         {"apply-mesh", "apply"},
-                                                         {"apply-labels", "apply"}};
+  const std::pair<const char*, const char*> modules[] = {
+      {"deform", "deform"},      {"finite-elements", "deform"}, {"invert", "invert"},
+      {"apply-points", "apply"}, {"apply-mesh", "apply"},       {"apply-labels", "apply"}};
   for (const auto& [module, command] : modules) {
     const Outcome outcome = drive({"check", module, command});
     EXPECT_EQ(outcome.exit_code, 0) << module << outcome.err;
@@ -77,6 +76,31 @@ TEST_F(InteropSlicerModules, InvertRunsFromItsDescriptionAndTellsProgress) {
   }
   EXPECT_GE(stages, 2) << outcome.out;
   EXPECT_EQ(std::regex_replace(outcome.out, stage, "").find('<'), std::string::npos) << outcome.out;
+}
+
+TEST_F(InteropSlicerModules, DeformAndFiniteElementsTakePointsAndMakeATransform) {
+  RUN_WHEN_SANITIZED();
+  m_folder.write("my scans/from.csv", "x,y,z\n7,6,6\n");
+  m_folder.write("my scans/to.csv", "x,y,z\n7.5,6,6\n");
+  m_folder.write("my scans/stay.csv", "x,y,z\n4,6,6\n");
+  write_soft_material(in("soft.toml"));
+  const std::vector<std::string> command = {
+      "deform", m_folder / "ball.nhdr", "--material", in("soft.toml"), "--grab", in("from.csv"),
+      "--to",   in("to.csv"),           "--fix",      in("stay.csv")};
+  for (const char* module : {"deform", "finite-elements"}) {
+    const bool is_fem = module == std::string("finite-elements");
+    const Outcome outcome =
+        drive({"run", module, "input=" + (m_folder / "ball.nhdr"), "material=" + in("soft.toml"),
+               "grab=" + in("from.csv"), "to=" + in("to.csv"), "fix=" + in("stay.csv"),
+               "output=" + in("slicer's.nrrd"), "moved=" + in("slicer's moved.nrrd")});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    std::vector<std::string> words = command;
+    words.insert(words.end(), {"--force", "-o", in("ours.nrrd")});
+    if (is_fem) words.insert(words.end(), {"--model", "fem"});
+    ASSERT_EQ(run_supple(words).exit_code, 0);
+    EXPECT_EQ(read_text(in("slicer's.nrrd")), read_text(in("ours.nrrd"))) << module;
+    EXPECT_TRUE(fs::exists(in("slicer's moved.nrrd")));
+  }
 }
 
 TEST_F(InteropSlicerModules, ApplyTakesFiducialsInLpsMillimetres) {
@@ -136,7 +160,8 @@ TEST_F(FaultSlicerModules, SigtermLeavesNothingAndWrongArgumentsAreOneLine) {
   for (const auto& entry : fs::directory_iterator(m_folder / "my scans"))
     after.insert(entry.path());
   EXPECT_EQ(after, before);
-  EXPECT_NE(module({"inwert", "--xml"}).err.find("found 'inwert', expected invert, apply-points"),
+  EXPECT_NE(module({"inwert", "--xml"})
+                .err.find("found 'inwert', expected deform, finite-elements, invert, apply-points"),
             std::string::npos);
   const Outcome unknown = module({"invert", "--fields", "a"});
   EXPECT_EQ(unknown.exit_code, 2);

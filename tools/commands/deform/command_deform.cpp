@@ -1,6 +1,8 @@
 // supple deform: drags voxels of a volume or state and writes the state.
 #include <cstdio>
+#include <filesystem>
 #include <map>
+#include <optional>
 
 #include "lib/session/file/step_keys.h"
 #include "lib/session/spring_step.h"
@@ -30,19 +32,25 @@ struct DeformOptions {
 
   SceneOptions scene;
   BodyOptions body;
-  std::string output;
-  std::vector<std::string> grabs, bys, contacts, loads, retractions, elements;
+  std::string output, moved;
+  std::vector<std::string> grabs, bys, targets, contacts, loads, retractions, elements;
+  std::optional<double> radius_mm;
   bool push = false, no_contact = false, refer = false, dry_run = false;
 };
 
 /// Every --grab takes the next --by, except those that say how they move: tables with a motion, and
-/// files whose points have displacements.
+/// files whose points have displacements, or the next --to.
 Value handle_tables(const DeformOptions& options) {
   Value tables = Value::List();
-  std::size_t bys = 0;
+  std::size_t bys = 0, targets = 0;
   for (const std::string& text : options.grabs) {
-    const GrabText grab = parse_grab("--grab", text);
+    GrabText grab = parse_grab("--grab", text);
     Value& table = tables.push_back(grab.keys);
+    if (!grab.moves_itself && table.contains("points") && targets < options.targets.size()) {
+      table["to"] = options.targets[targets++];
+      grab.moves_itself = true;
+    }
+    if (options.radius_mm && is_point_file_name(text)) table["radius"] = *options.radius_mm;
     if (!grab.moves_itself && bys < options.bys.size()) {
       table["by"] = numbers_value("--by", options.bys[bys]);
     }
@@ -54,6 +62,10 @@ Value handle_tables(const DeformOptions& options) {
                               "one for each of " + std::to_string(bys) +
                                   " --grab, in order; files with dx,dy,dz and tables with a motion "
                                   "take none"}));
+  }
+  if (targets != options.targets.size()) {
+    throw UsageError(to_line({"", "--to", std::to_string(options.targets.size()) + " of them",
+                              "one for each --grab FILE without displacements, in order"}));
   }
   if (options.push && options.grabs.empty()) {
     throw UsageError(to_line({"", "--push", "no --grab", "a handle that pushes"}));
@@ -87,9 +99,14 @@ Value element_table(const std::vector<std::string>& texts) {
   return entries;
 }
 
+/// True for names of states; others are those of warps.
+bool is_state_name(const std::string& name) {
+  const std::string extension = std::filesystem::path(name).extension();
+  return !name.empty() && (extension.empty() || extension == ".vdb");
+}
+
 /// The options as a scene of one step.
 Scene to_scene(DeformOptions& options) {
-  if (options.output.empty()) throw UsageError("--output: found nothing, expected STATE.vdb");
   SceneOptions& given = options.scene;
   set_body(options.body, given);
   if (options.no_contact) given.set("material", "contact", false, "--no-contact");
@@ -104,7 +121,14 @@ Scene to_scene(DeformOptions& options) {
   set_tables("step", "retract", "--retract", options.retractions);
   set_tables("step.springs", "contact", "--contact", options.contacts);
   set_loads(options.loads, given);
-  given.set("output", "state", options.output, "--output");
+  if (is_state_name(options.output)) {
+    given.set("output", "state", options.output, "--output");
+  } else if (!options.output.empty()) {
+    given.set("output", "offsets", Value::List{options.output}, "--output");
+  }
+  if (!options.moved.empty()) {
+    given.set("output", "volumes", Value::List{options.moved}, "--moved");
+  }
   if (options.refer) given.set("output", "refer", true, "--refer");
   if (!options.elements.empty()) {
     given.set("output", "elements", element_table(options.elements), "--elements");
@@ -230,7 +254,7 @@ void print_deform(const Session& session, const Step& step,
               static_cast<long long>(certificate.unresolved_voxels));
 }
 
-void print_json(const Session& session, const std::string& output,
+void print_json(const Session& session, const SceneOutput& output,
                 const InversionCertificate& certificate) {
   Value json = to_value(session.records().back());
   json["handles"] = to_value(session.places(session.records().back()));
@@ -239,12 +263,14 @@ void print_json(const Session& session, const std::string& output,
   json["fold_free_material"] = session.links().fold_free;
   json["folded"] = certificate.folded_cells - certificate.folded_air_cells;
   json["certificate"] = to_value(certificate);
-  json["state"] = output;
+  if (!output.state.empty()) json["state"] = output.state;
+  for (const std::string& name : output.offsets) json["offsets"] = name;
+  for (const std::string& name : output.volumes) json["moved"] = name;
   std::printf("%s\n", json_text(json, 2).c_str());
 }
 
 int run_deform(DeformOptions& options, const GlobalOptions& global, Console& console) {
-  if (options.output.empty()) {
+  if (options.output.empty() && options.moved.empty()) {
     if (!options.dry_run) throw UsageError("--output is required (see supple deform --help)");
     options.output = "state.vdb";
   }
@@ -257,7 +283,7 @@ int run_deform(DeformOptions& options, const GlobalOptions& global, Console& con
   require_memory(scene, run);
   run.run();
   if (global.json) {
-    print_json(*run.session(), scene.output.state, *run.certificate());
+    print_json(*run.session(), scene.output, *run.certificate());
   } else if (!global.quiet) {
     print_deform(*run.session(), scene.steps.front(), *run.certificate());
   }
@@ -272,8 +298,7 @@ Command add_deform(CLI::App& program) {
       "  supple deform head.nhdr --material ct.toml --grab 128,211,12 --by 0,12,0 -o drag.vdb\n"
       "  supple deform drag.vdb --grab 128,211,12 --by 0,0,-5 --fix 20,20,60:235,150,107 "
       "-o more.vdb\n"
-      "  supple deform head.nhdr --grab 90,200,8:160,210,14 --by 0,-8,0 --push --fix pins.csv "
-      "-o push.vdb");
+      "  supple deform ct.nrrd --material ct-head --grab F.mrk.json --to T.mrk.json -o warp.h5");
   auto options = std::make_shared<DeformOptions>(*app);
   add_body_options(*app, options->body);
   ReadOptions read;
@@ -285,16 +310,20 @@ Command add_deform(CLI::App& program) {
   scene.add("labels", {});
   scene.add("material", {});
   app->add_option("--grab", options->grabs,
-                  "Voxel, box, ball (radius in mm), range of densities, connected piece, label or "
-                  "points to drag as one; PLACE is I,J,K or lps:X,Y,Z or ras:X,Y,Z in mm; TABLE "
-                  "as a scene's handles; repeat for several")
+                  "Voxel, box, ball (mm), densities, connected piece, label or points to drag as "
+                  "one; PLACE is I,J,K or lps:X,Y,Z or ras:X,Y,Z in mm; TABLE as a scene's "
+                  "handles; repeatable")
       ->allow_extra_args(false)
       ->option_text("I,J,K[:I,J,K]|ball:PLACE:R|density:LO:HI|piece:PLACE|label:N|FILE.csv|TABLE");
   app->add_option("--by", options->bys,
-                  "How far, in mm along the grid axes, or with lps: or ras: in that frame; one per "
-                  "--grab but those that say how they move")
+                  "In mm along the grid axes, lps: or ras:; one per --grab that has none")
       ->allow_extra_args(false)
       ->option_text("DX,DY,DZ");
+  app->add_option("--to", options->targets, "Where the points of a --grab FILE go, pair by pair")
+      ->allow_extra_args(false)
+      ->option_text("FILE");
+  app->add_option("--radius", options->radius_mm, "Of a ball around each point that goes its way")
+      ->option_text("MM");
   app->add_option("--retract", options->retractions, "Push lips of a cut apart, as in scenes")
       ->allow_extra_args(false)
       ->option_text("TABLE");
@@ -326,8 +355,11 @@ Command add_deform(CLI::App& program) {
                 "The state refers to its volume and holds only what moved");
   app->add_flag("--dry-run", options->dry_run,
                 "Print what would be held and computed, and why; write nothing");
-  app->add_option("-o,--output", options->output, "State file to write; not for --dry-run")
-      ->option_text("STATE.vdb");
+  app->add_option("--moved", options->moved, "Also write the volume, deformed and resampled")
+      ->option_text("VOLUME");
+  app->add_option("-o,--output", options->output,
+                  "State, or offsets for ITK, Slicer, ANTs; not for --dry-run")
+      ->option_text("STATE.vdb|WARP");
   return {app, [options](const GlobalOptions& global, Console& console) {
             return run_deform(*options, global, console);
           }};

@@ -28,26 +28,23 @@ struct FitOptions {
 
 /// A map through the pairs, one per row, in the order of the files.
 UnfoldedMap fit(const FitOptions& options, const Geometry& grid, Console& console) {
-  const PointFile first = read_point_file(options.points.front());
-  std::optional<PointFile> second;
-  if (options.points.size() == 2) second = read_point_file(options.points[1]);
-  if (!second && !first.has_displacements) {
-    throw InputError({first.path, "columns", "no dx, dy, dz",
+  PointFile pairs = read_point_file(options.points.front());
+  if (options.points.size() == 2) {
+    pairs = led_to(std::move(pairs), read_point_file(options.points[1]));
+  }
+  if (!pairs.has_displacements) {
+    throw InputError({pairs.path, "columns", "no dx, dy, dz",
                       "a displacement of each point, or a second file of points"});
   }
-  if (second && second->rows.size() != first.rows.size()) {
-    throw InputError({second->path, "points", std::to_string(second->rows.size()),
-                      std::to_string(first.rows.size()) + " as in " + first.path});
-  }
   std::vector<Vec3d> from, to;
-  for (std::size_t n = 0; n < first.rows.size(); ++n) {
-    from.push_back(first.rows[n].at_lps_mm);
-    to.push_back(second ? second->rows[n].at_lps_mm : from.back() + first.rows[n].by_lps_mm);
+  for (const PointFile::Row& row : pairs.rows) {
+    from.push_back(row.at_lps_mm);
+    to.push_back(row.at_lps_mm + row.by_lps_mm);
   }
   try {
     return fit_landmarks(options.fit, from, to, grid, &console);
   } catch (const InputError& error) {
-    rethrow_at(first.path, error);
+    rethrow_at(pairs.path, error);
   }
 }
 

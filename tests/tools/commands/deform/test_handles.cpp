@@ -80,6 +80,52 @@ TEST_F(UnitHandles, PointsWithDisplacementsAreHandlesOfTheirOwnAndTakeNoBy) {
                  {"--by", "dx,dy,dz"});
 }
 
+TEST_F(UnitHandles, PointsGoToThoseOfAnotherFilePairByPair) {
+  write_text(m_folder / "moves.csv", "x,y,z,dx,dy,dz\n5,8,12,2,0,0\n10,8,12,1.5,0.25,0\n");
+  write_text(m_folder / "from.csv", "x,y,z\n5,8,12\n10,8,12\n");
+  write_text(m_folder / "to.csv", "x,y,z\n7,8,12\n11.5,8.25,12\n");
+  const std::vector<std::string> grab = {"--grab", m_folder / "from.csv", "--to",
+                                         m_folder / "to.csv"};
+  ASSERT_EQ(deform("moves.vdb", {"--grab", m_folder / "moves.csv"}).exit_code, 0);
+  ASSERT_EQ(deform("pairs.vdb", grab).exit_code, 0);
+  EXPECT_EQ(resampled("pairs.vdb"), resampled("moves.vdb"));
+  // Around each a ball, as one of its own.
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), grab.begin(), grab.end());
+    return more;
+  };
+  ASSERT_EQ(deform("balls.vdb", with({"--radius", "1.2"})).exit_code, 0);
+  ASSERT_EQ(deform("balls_by.vdb", {"--grab", "ball:5,8,8:1.2", "--by", "2,0,0", "--grab",
+                                    "ball:10,8,8:1.2", "--by", "1.5,0.25,0"})
+                .exit_code,
+            0);
+  EXPECT_EQ(resampled("balls.vdb"), resampled("balls_by.vdb"));
+  EXPECT_NE(resampled("balls.vdb"), resampled("pairs.vdb"));
+
+  write_text(m_folder / "one.csv", "x,y,z\n7,8,12\n");
+  expect_refused(deform("x.vdb", {"--grab", m_folder / "from.csv", "--to", m_folder / "one.csv"}),
+                 3, {"one.csv: points: found 1, expected 2 as in "});
+  expect_refused(deform("x.vdb", {"--grab", "8,8,8", "--by", "1,0,0", "--to", m_folder / "to.csv"}),
+                 2, {"--to: found 1 of them"});
+  const std::string step = "[[step]]\npoints = \"from.csv\"\nradius = 2.0\nby = [1.0, 0.0, 0.0]\n";
+  expect_refused(run_scene(step), 3, {"step[1].radius", "go as one"});
+  expect_refused(run_scene("[[step]]\ngrab = [8, 8, 8]\nto = \"to.csv\"\n"), 3,
+                 {"step[1].to", "without points"});
+}
+
+TEST_F(UnitHandles, OneCommandLeadsFromAVolumeToAWarpAndAMovedVolume) {
+  const std::vector<std::string> drag = {"--grab", "8,8,8", "--by", "1,0.5,0"};
+  ASSERT_EQ(deform("state.vdb", drag).exit_code, 0);
+  std::vector<std::string> both = drag;
+  both.insert(both.end(), {"--moved", m_folder / "moved.mha"});
+  ASSERT_EQ(deform("warp.nrrd", both).exit_code, 0);
+  ASSERT_EQ(run_supple({"export", m_folder / "state.vdb", "-o", m_folder / "same.nrrd"}).exit_code,
+            0);
+  EXPECT_EQ(read_text(m_folder / "warp.nrrd"), read_text(m_folder / "same.nrrd"));
+  EXPECT_EQ(read_text(m_folder / "moved.mha"), resampled("state.vdb"));
+  expect_refused(deform("warp.txt", drag), 3, {"warp.txt", ".nrrd", ".vdb"});
+}
+
 TEST_F(UnitHandles, FixedPointsHoldWhatAFixedVoxelHolds) {
   RUN_WHEN_SANITIZED();
   write_text(m_folder / "pins.csv", "x,y,z\n5,8,12\n5,9,12\n");
