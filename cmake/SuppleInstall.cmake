@@ -55,6 +55,7 @@ install(TARGETS supple supple-lab supple-examples RUNTIME DESTINATION ${CMAKE_IN
 # Pages with the scenes, materials and cameras that they name, without their pictures.
 install(FILES CHANGELOG.md README.md cmake/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN "*.png" EXCLUDE)
+install(FILES tools/slicer/SuppleView.py DESTINATION ${CMAKE_INSTALL_DATADIR}/supple/slicer)
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 set(CPACK_PACKAGE_CONTACT "Supple developers <supple@example.org>")
 # The program writes its manual page and completions itself.
