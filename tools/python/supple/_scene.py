@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Union
 import numpy as np
 
 from . import _supple
+from ._errors import UsageError
 from ._session import Report, Session
 from ._volume import Progress, as_volume, read_only
 from ._warp import Warp
@@ -52,15 +53,19 @@ class Picture:
         return f"Picture({self.array.shape[1]} x {self.array.shape[0]})"
 
 
-def show(subject: Any, *, warp: Any = None, progress: Progress = None, **view: Any) -> Picture:
+def show(subject: Any, *, warp: Any = None, amount: float = 1, progress: Progress = None,
+         **view: Any) -> Picture:
     """Picture of a Session, of a volume, also through a warp (resample direction), or of a state's
-    path. `view`: keys of a scene's [[view]]: preset, size=[w, h], camera={"view": "left"},
-    quality, slice={...}, clip=[{...}], overlay, ... (docs/pictures.md)."""
+    path. amount: part of a Session's displacement that is shown, 0 at rest, 1 as it is. `view`:
+    keys of a scene's [[view]]: preset, size=[w, h], camera={"view": "left"}, quality, slice={...},
+    clip=[{...}], overlay, ... (docs/pictures.md). Raises InputError for other keys."""
+    if amount != 1 and not isinstance(subject, Session):
+        raise UsageError("show: found an amount, expected it with a Session")
     with tempfile.TemporaryDirectory(prefix="supple-") as folder:
         image = os.path.join(folder, "picture.png")
         keys = {**view, "image": image}
         if isinstance(subject, Session):
-            report = subject._held.draw(keys, progress)
+            report = subject._held.draw(keys, amount, progress)
         else:
             is_path = isinstance(subject, (str, os.PathLike))
             source = {"path": os.fspath(subject)} if is_path else as_volume(subject).source()
