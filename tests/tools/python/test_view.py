@@ -57,7 +57,8 @@ class View(InFolder):
                 supple.view(self.session, live=True)
         self.assertIsNone(shown.address)
         self.assertNotRegex(shown.page, "http|src=\"(?!data:)|@import|url\\(")
-        frame, = re.findall('^<iframe srcdoc="([^"]*)" sandbox="allow-scripts"', shown._repr_html_())
+        frame, = re.findall('^<iframe srcdoc="([^"]*)" sandbox="allow-scripts"',
+                            shown._repr_html_())
         self.assertIn("const pictures", frame)
         shown.stop()
 
@@ -111,7 +112,7 @@ class View(InFolder):
                              r"/proxy/\1/ --origin https://hub.example$")
 
     def test_a_viewer_that_fails_says_why(self):
-        with self.assertRaisesRegex(supple.Error, "^supple: error: .*No such preset|No such preset"):
+        with self.assertRaisesRegex(supple.Error, "No such preset"):
             supple.view(self.session, preset="No such preset", origins=())
 
     @unittest.skipUnless("--embed" in run("view", "--help"), f"{BINARY} cannot be embedded")

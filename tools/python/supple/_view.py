@@ -34,7 +34,8 @@ turn();
 
 class View:
     """What view() shows in a notebook. address: of the viewer, with the key of its session, or
-    None. page: HTML of the pictures, which needs nothing else, or None where the viewer runs."""
+    None. page: HTML of the pictures, which needs nothing else, or None where the viewer runs.
+    frame: HTML that shows it. stop: what ends it."""
 
     def __init__(self, frame: str, *, address: Optional[str] = None, page: Optional[str] = None,
                  stop: Callable[[], Any] = lambda: None):
