@@ -3,12 +3,9 @@ from __future__ import annotations
 
 import atexit
 import base64
-import html
 import json
 import os
 import shutil
-import socket
-import subprocess
 import tempfile
 from typing import Any, Callable, List, Optional, Sequence
 
@@ -61,6 +58,7 @@ def view(session: Session, *, live: Optional[bool] = None, base_url: str = "",
     with. look: keys of show(); the viewer takes `preset`. Raises SystemError with live=True where
     there is no program, Error with its line where it fails.
     """
+    import html
     program = _program() if live is not False else None
     if program is None and live:
         raise SystemError("supple: found no program, expected it beside the package or in PATH")
@@ -87,6 +85,8 @@ def view(session: Session, *, live: Optional[bool] = None, base_url: str = "",
 
 def _start(program: str, session: Session, options: List[str], path: str, height: int,
            progress: Progress) -> View:
+    import html  # late, as all that a start of the package would wait for
+    import subprocess
     folder = tempfile.TemporaryDirectory(prefix="supple-")
     state, log = (os.path.join(folder.name, name) for name in ("session.vdb", "log"))
     session.save(state, progress=progress)
@@ -128,6 +128,7 @@ def _program() -> Optional[str]:
 
 
 def _free_port() -> int:
+    import socket
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         return free.getsockname()[1]
