@@ -1,5 +1,5 @@
 # The library for host programs: libsupple.so with everything but the command line, its headers below
-# <supple/...>, a CMake package, a pkg-config file, and the package of `cpack`.
+# <supple/...>, a CMake package and a pkg-config file.
 include(CMakePackageConfigHelpers)
 
 file(WRITE ${PROJECT_BINARY_DIR}/supple_library.cpp "")
@@ -101,25 +101,3 @@ file(RELATIVE_PATH SUPPLE_PREFIX_OF_PC /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 string(REGEX REPLACE "/$" "" SUPPLE_PREFIX_OF_PC "${SUPPLE_PREFIX_OF_PC}")
 configure_file(cmake/supple.pc.in ${PROJECT_BINARY_DIR}/supple.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/supple.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
-
-# `cpack` in the build folder of the preset `portable` makes the Debian package.
-set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_NAME supple)
-set(CPACK_PACKAGE_VENDOR "Supple")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
-set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "Supple drags, cuts and relaxes the voxels of a scan themselves,
-by Enhanced ChainMail, relaxation, springs and finite elements, and
-shows them deformed without resampling. Deformations go to ITK,
-elastix, 3D Slicer and ANTs as offset fields.")
-set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_STRIP_FILES ON)
-set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
-set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/cmake/triggers)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/lib)
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libimath-dev, ffmpeg")
-# Without the package of Python, which would make it depend on one version of that.
-set(CPACK_INSTALL_CMAKE_PROJECTS "${PROJECT_BINARY_DIR};${PROJECT_NAME};Unspecified;/")
-set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-include(CPack)

@@ -21,7 +21,8 @@ SUPPLE_JUDGES=(
   pkg-config lintian zsh fish elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-scipy mypy parallel snakemake python3-tifffile
   python3-h5py python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk libgdcm-tools
   libinsighttoolkit5-dev mricron-data openexr openimageio-tools python3-meshio
-  calculix-ccx python3-dolfinx chromium nodejs xvfb)
+  calculix-ccx python3-dolfinx chromium nodejs xvfb
+  python3-pip patchelf python3-matplotlib python3-sphinx)
 # Of preset asan: the compiler, its sanitizers, a linker, and what names their stacks.
 SUPPLE_CLANG=(clang-14 libclang-rt-14-dev lld-14 llvm-14)
 SUPPLE_PEERS=(python3-vtk9 xvfb libinsighttoolkit5-dev)

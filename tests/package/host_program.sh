@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds and runs the examples outside of the source tree, against the library as installed by
-# `cmake --install` or as unpacked from the package of `cpack`.
+# `cmake --install` or as unpacked from the packages of `cpack`, and a drag in Python.
 #
 #   host_program.sh install|deb BUILD_FOLDER SOURCE_FOLDER
 set -euo pipefail
@@ -16,9 +16,9 @@ else
   command -v dpkg-shlibdeps >/dev/null || { echo "skipped: dpkg-dev is not installed"; exit 77; }
   (cd "$work" && cpack --config "$build/CPackConfig.cmake" -B "$work" -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip >"$work/cpack.log" 2>&1) ||
     { cat "$work/cpack.log"; exit 1; }
-  dpkg -x "$work"/*.deb "$work/root"
+  for package in "$work"/*.deb; do dpkg -x "$package" "$work/root"; done
   if command -v lintian >/dev/null; then lintian --fail-on error --allow-root "$work"/*.deb; fi
-  dpkg -I "$work"/*.deb | grep -E '^ (Package|Version|Depends)'
+  for package in "$work"/*.deb; do dpkg -I "$package" | grep -E '^ (Package|Version|Depends)'; done
   prefix="$work/root/usr"
   build_type= examples="info drag_and_export own_offsets"  # some, once more, without optimiser
 fi
@@ -110,6 +110,17 @@ test -s "$prefix/share/doc/supple/docs/scenes/ct_head_material.toml"
 "$supple" deform ball.nhdr --grab 12,12,16 --by 0,2,0 -o ball.vdb
 "$bin/drag_and_export" ball.vdb 12 12 16 0 1 0 further.nrrd   # continues the state
 "$supple" info warp.h5
+for package in "$work"/python3-supple_*.deb; do                # where the package of Python is built
+  [ -f "$package" ] || continue
+  dpkg -f "$package" Depends | grep -q "supple (= .*python3-numpy"
+  if dpkg -c "$package" | grep -vE '/$| \./usr/(lib/python3/dist-packages/supple/|share/doc/python3-supple -> supple$)'; then
+    echo "python3-supple holds what belongs elsewhere"
+    exit 1
+  fi
+  hash='import supple; s = supple.Session("ball.nhdr"); s.drag([12, 12, 16], [0, 2, 0]); print(s.hash)'
+  env -u LD_LIBRARY_PATH PYTHONPATH="$prefix/lib/python3/dist-packages" /usr/bin/python3 -W ignore -c "$hash" >dragged
+  PYTHONPATH="$build/python" /usr/bin/python3 -W ignore -c "$hash" | diff - dragged
+done
 zgrep -q springs "$prefix/share/man/man1/supple.1.gz"
 grep -q springs-time "$prefix/share/bash-completion/completions/supple"
 grep -q springs-time "$prefix"/share/zsh/*/_supple

@@ -33,6 +33,18 @@ tools::AugmentParams augment_params(const Value& keys) {
   return params;
 }
 
+/// Pose of a state with a part of its displacement, settled again.
+Pose scaled_pose(const State& state, const Pose& whole, double amount, Progress& progress) {
+  Displacement scaled = whole.displacement;
+  for (std::size_t b = 0; b < scaled.u.topology.brick_count(); ++b) {
+    if (scaled.u.vectors.brick(b) == nullptr) continue;
+    Vec3f* const u = scaled.u.vectors.touch(b);
+    for (int n = 0; n < kBrickVoxels; ++n) u[n] *= float(amount);
+  }
+  OffsetField offsets = invert_displacement(state, scaled, &progress);
+  return {std::move(scaled), std::move(offsets)};
+}
+
 /// One thread at a time; whoever waits for it attends to signals, too.
 class HeldSession {
  public:
@@ -163,8 +175,8 @@ class HeldSession {
                        callback);
   }
 
-  /// A view as a scene has it, into its `image`.
-  Value draw(const Value& keys, const py::object& callback) {
+  /// A view as a scene has it, into its `image`, with this part of the displacement.
+  Value draw(const Value& keys, double amount, const py::object& callback) {
     return with(callback, [&](LiveSession& live, Progress& progress) {
       Table table(keys);
       tools::SceneView view = tools::read_view(table, 0);
@@ -172,7 +184,8 @@ class HeldSession {
       Session& session = live.session();
       const State state = session.state();
       const Pose* pose = &session.pose(&progress);
-      std::optional<Pose> own;
+      std::optional<Pose> part, own;
+      if (amount != 1) pose = &part.emplace(scaled_pose(state, *pose, amount, progress));
       if (!view.path.empty()) pose = &own.emplace(tools::send_along(view.path, *pose, progress));
       if (!view.deformed) pose = nullptr;
       view = tools::effective_view(view, state.geometry, state.density.background());

@@ -1,8 +1,11 @@
 """Blocks of Python in the documentation run, one after the other for each page."""
 import contextlib
+import inspect
 import io
 import os
 import re
+import shutil
+import subprocess
 import tempfile
 import unittest
 
@@ -39,17 +42,48 @@ class Pages(unittest.TestCase):
         finally:
             os.chdir(before)
 
-    def test_every_public_name_is_documented(self):
-        def check(thing, name):
-            self.assertTrue(thing.__doc__, f"{name} has no docstring")
-        for name in supple.__all__:
-            thing = getattr(supple, name)
-            check(thing, name)
-            if isinstance(thing, type) and thing.__module__.startswith("supple."):
+    def test_every_public_name_and_parameter_is_documented(self):
+        found = dict(public_names())
+        self.assertGreater(len(found), 80)
+        for name, thing in found.items():
+            text = inspect.getdoc(thing) or ""
+            self.assertGreater(len(text), 20, f"{name} has no docstring")
+            own = thing if not isinstance(thing, type) else vars(thing).get("__init__")
+            for parameter in parameters_of(own):
+                with self.subTest(f"{name}, {parameter}"):
+                    self.assertRegex(text, rf"\b{parameter}\b")
+
+    @unittest.skipUnless(shutil.which("sphinx-build"), "python3-sphinx is not installed")
+    def test_the_reference_has_all_of_them(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run(["sphinx-build", "-q", "-W", "-b", "html", f"{ROOT}/docs/api", folder],
+                           check=True)
+            with open(os.path.join(folder, "index.html"), encoding="utf-8") as file:
+                anchors = set(re.findall(r'id="supple\.([\w.]+)"', file.read()))
+        self.assertEqual({name for name, _ in public_names()} - anchors, set())
+
+
+def public_names():
+    """Names below supple, with what they stand for; of classes the members, too."""
+    for module, prefix in ((supple, ""), (supple.augment, "augment.")):
+        for name in module.__all__:
+            thing = getattr(module, name)
+            if inspect.ismodule(thing):
+                continue
+            yield prefix + name, thing
+            if isinstance(thing, type):
                 for member, value in vars(thing).items():
-                    if not member.startswith("_") and (callable(value) or isinstance(
-                            value, (property, classmethod))):
-                        check(value, f"{name}.{member}")
+                    if not member.startswith("_") or member == "__call__":
+                        value = getattr(value, "__func__", value)
+                        if callable(value) or isinstance(value, property):
+                            yield f"{prefix}{name}.{member}", value
+
+
+def parameters_of(function):
+    """Those that a call gives, but for progress, which the package's docstring describes."""
+    if not inspect.isfunction(function):
+        return []
+    return set(inspect.signature(function).parameters) - {"self", "cls", "progress"}
 
 
 if __name__ == "__main__":

@@ -28,11 +28,32 @@ STEPS = {
     "labels": [{"grab_label": 2, "by": [0.5, 0, 0], "fix": [[4, 10, 10]]}],
     "springs": [{**DRAG, "model": "springs", "springs": {"time": 0.01, "step": 0.005}}],
     "finite elements": [{**DRAG, "fix": [[0, 0, 0, 23, 21, 4]], "model": "fem"}],
+    "finite strain": [{**DRAG, "fix": [[0, 0, 0, 23, 21, 4]], "model": "fem",
+                       "fem": {"strain": "finite"}}],
+    "box": [{"grab_box": [10, 8, 12, 14, 12, 14], "by": [0.0, 1.0, 1.0]}],
+    "voxel's soft edge": [{**DRAG, "soft": 5.0}],
+    "densities": [{"grab_density": [200, 255], "by": [0.0, 1.0, 0.5]}],
+    "piece": [{"piece_at": [11, 10, 10], "by": [3.0, 0.0, 0.0]}],
+    "turned": [{"grab_ball": [12, 10, 12], "radius": 4.0, "rotate": 4.0, "axis": [0, 0, 1.0]}],
+    "grown": [{"grab_ball": [12, 10, 12], "radius": 4.0, "scale": 1.05}],
+    "pushed": [{**DRAG, "push": True}],
+    "slid": [{**DRAG, "fix": [[0, 0, 0, 23, 21, 4]], "slide": True}],
+    "RAS frame": [{"frame": "ras", "grab_ball": [2.0, -1.5, 15.0], "radius": 4.0,
+                   "by": [0.0, 1.0, 1.0]}],
+    "fixed densities": [{"fix_density": [200, 255], "grab": [12, 10, 16], "by": [0.0, 0.0, 2.0]}],
+    "fixed label": [{"fix_label": [1], "grab_label": 2, "by": [0.3, 0, 0]}],
+    "rigid turn": [{"rigid_density": [200, 255]}, {"rigid_at": [11, 10, 10], "rotate": 3.0,
+                                                   "axis": [0, 0, 1.0]}],
+    "three strokes": [DRAG, {"grab": [7, 10, 12], "by": [-1.5, 0, 0]}, {"relax": {"passes": 4}}],
+    "springs after a cut": [
+        {"cut": [{"plane": {"corner": [11.5, 0, 9], "edge1": [0, 21, 0], "edge2": [0, 0, 11],
+                            "frame": "voxel"}}]},
+        {**DRAG, "model": "springs", "springs": {"time": 0.01, "step": 0.005}}],
 }
 
 
 class SameSteps(InFolder):
-    """Every scene of steps: state, both warps, resampled volume, picture and reports."""
+    """Each of the thirty scenes of steps: state, both warps, resampled volume, picture and reports."""
 
     def test_scenes_by_the_program_and_sessions_agree(self):
         for number, (name, steps) in enumerate(STEPS.items()):
@@ -53,6 +74,7 @@ class SameSteps(InFolder):
         session = supple.Session(self.head, MATERIAL, labels=self.labels)
         for step in steps:
             session.step(**step)
+        self.assertGreater(np.abs(session.displacement().array).max(), 0.1)
         self.assertEqual(supple.Session(folder + "/state.vdb").hash, session.hash)
         self.assert_same(read_nrrd(folder + "/pull.nrrd"), session.offsets().array)
         self.assert_same(read_nrrd(folder + "/push.nrrd"), session.displacement().array)

@@ -20,9 +20,10 @@ from ._warp import Points, Warp, apply, compose, fit, invert, metrics, read_warp
 from ._session import Metrics, Report, Session
 from . import augment
 from ._scene import Picture, Scene, materials, models, presets, show
+from ._view import View, view
 
 __all__ = [
     "Cancelled", "Error", "Grid", "InputError", "Metrics", "Picture", "Points", "Report", "Scene",
-    "Session", "SuppleWarning", "SystemError", "UsageError", "Volume", "Warp", "apply", "augment",
-    "compose", "fit", "invert", "materials", "metrics", "models", "open", "presets", "read_warp",
-    "resample", "show"]
+    "Session", "SuppleWarning", "SystemError", "UsageError", "View", "Volume", "Warp", "apply",
+    "augment", "compose", "fit", "invert", "materials", "metrics", "models", "open", "presets",
+    "read_warp", "resample", "show", "view"]

@@ -16,7 +16,8 @@ class Error(RuntimeError):
 
 
 class InputError(Error, ValueError):
-    """A value or a file is unusable: "file: field: found X, expected Y", also as attributes."""
+    """A value or a file is unusable: line, "file: field: found X, expected Y"; its parts are
+    attributes, too."""
 
     def __init__(self, line: str, file: str = "", field: str = "", found: str = "",
                  expected: str = ""):

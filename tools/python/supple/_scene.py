@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Union
 import numpy as np
 
 from . import _supple
+from ._errors import UsageError
 from ._session import Report, Session
 from ._volume import Progress, as_volume, read_only
 from ._warp import Warp
@@ -16,14 +17,16 @@ from ._warp import Warp
 class Scene:
     """A whole run as a file or a dict of the same keys (docs/scenes.md).
 
-    Volumes may stand wherever a path may. Paths of a dict are relative to the present folder.
+    source: the path of a file or a dict. Volumes may stand wherever a path may. Paths of a dict are
+    relative to the present folder. Raises InputError for what no scene says.
     """
 
     def __init__(self, source: Union[str, os.PathLike, Dict[str, Any]]):
         self.source = source if isinstance(source, dict) else os.fspath(source)
 
     def plan(self, folder: Union[str, os.PathLike] = "", *, progress: Progress = None) -> Report:
-        """What it will hold and compute, and why, and its files; nothing is written."""
+        """What it will hold and compute, and why, and its files below `folder`; nothing is
+        written."""
         return Report(_supple.plan_scene(self.source, os.fspath(folder), progress))
 
     def run(self, folder: Union[str, os.PathLike] = "", *, overwrite: bool = False,
@@ -35,13 +38,13 @@ class Scene:
 
 class Picture:
     """PNG of `supple render`, shown by notebooks. png: its bytes. array: uint8 [row, column, RGBA],
-    row 0 at the top, read-only."""
+    row 0 at the top, read-only. report: how it was drawn."""
 
     def __init__(self, png: bytes, array: np.ndarray, report: Report):
         self.png, self.array, self.report = png, read_only(array), report
 
     def save(self, path: Union[str, os.PathLike]) -> None:
-        """Writes the PNG."""
+        """Writes the PNG to a path."""
         with open(path, "wb") as file:
             file.write(self.png)
 
@@ -52,15 +55,19 @@ class Picture:
         return f"Picture({self.array.shape[1]} x {self.array.shape[0]})"
 
 
-def show(subject: Any, *, warp: Any = None, progress: Progress = None, **view: Any) -> Picture:
-    """Picture of a Session, of a volume, also through a warp (resample direction), or of a state's
-    path. `view`: keys of a scene's [[view]]: preset, size=[w, h], camera={"view": "left"},
-    quality, slice={...}, clip=[{...}], overlay, ... (docs/pictures.md)."""
+def show(subject: Any, *, warp: Any = None, amount: float = 1, progress: Progress = None,
+         **view: Any) -> Picture:
+    """Picture of a subject: a Session, a volume, also through a warp (resample direction), or the
+    path of a state. amount: part of a Session's displacement that is shown, 0 at rest, 1 as it is.
+    view: keys of a scene's [[view]]: preset, size=[w, h], camera={"view": "left"}, quality,
+    slice={...}, clip=[{...}], overlay, ... (docs/pictures.md). Raises InputError for other keys."""
+    if amount != 1 and not isinstance(subject, Session):
+        raise UsageError("show: found an amount, expected it with a Session")
     with tempfile.TemporaryDirectory(prefix="supple-") as folder:
         image = os.path.join(folder, "picture.png")
         keys = {**view, "image": image}
         if isinstance(subject, Session):
-            report = subject._held.draw(keys, progress)
+            report = subject._held.draw(keys, amount, progress)
         else:
             is_path = isinstance(subject, (str, os.PathLike))
             source = {"path": os.fspath(subject)} if is_path else as_volume(subject).source()

@@ -14,8 +14,8 @@ from ._warp import Warp, apply, metrics
 
 
 class Report(dict):
-    """Results of a step, run or plan, as JSON of the program has them: a dict whose keys are
-    attributes, too."""
+    """Results of a step, run or plan, as JSON of the program has them: a dict of the values whose
+    keys are attributes, too."""
 
     def __init__(self, values: Any = ()):
         super().__init__({key: _report(value) for key, value in dict(values or {}).items()})
@@ -73,20 +73,20 @@ class Session:
 
     def event(self, kind: str, *, progress: Progress = None, **keys: Any) -> Optional[Report]:
         """One event of a live session (docs/live.md): grab, push, drag, release, cut, anchor,
-        relax, limits, step, undo, redo, model, material. Returns the report of the step that it
-        became."""
+        relax, limits, step, undo, redo, model, material; `keys` as there, by kind. Returns the
+        report of the step that it became."""
         done = self._held.carry_out({"kind": kind, **keys}, progress)
         return None if done is None else Report(done)
 
     def step(self, *, progress: Progress = None, **keys: Any) -> Report:
-        """One step with the keys of a scene's [[step]], and its report. Nothing has changed where
+        """One step with the `keys` of a scene's [[step]], and its report. Nothing has changed where
         it raises."""
         return self.event("step", progress=progress, **keys) or Report()
 
     def drag(self, grab: Any = None, by: Any = None, *, progress: Progress = None,
              **keys: Any) -> Report:
-        """Drags a voxel (i, j, k) by mm along the grid axes; by_mm_lps, at_mm, grab_ball, soft and
-        all other keys of a handle may take their places."""
+        """Drags the voxel `grab` (i, j, k) `by` mm along the grid axes; by_mm_lps, at_mm,
+        grab_ball, soft and all other `keys` of a handle may take their places."""
         if grab is not None:
             keys["grab"] = _box(grab)
         if by is not None:
@@ -94,17 +94,19 @@ class Session:
         return self.step(progress=progress, **keys)
 
     def fix(self, *places: Any, progress: Progress = None, **keys: Any) -> Report:
-        """Voxels [i, j, k] or boxes [i0, j0, k0, i1, j1, k1] that stay; or fix_label, anchors."""
+        """Fixes places: voxels [i, j, k] or boxes [i0, j0, k0, i1, j1, k1]; or keys of a step:
+        fix_label, anchors."""
         if places:
             keys["fix"] = [_box(place) for place in places]
         return self.step(progress=progress, **keys)
 
     def cut(self, *, progress: Progress = None, **surface: Any) -> Report:
-        """Cuts along a surface: mesh=path, plane={...}, curve={...} or label=n."""
+        """Cuts along a surface: mesh=path, plane={...}, curve={...} (points in LPS mm) or
+        label=n."""
         return self.step(progress=progress, cut=[surface])
 
     def relax(self, *, progress: Progress = None, **settings: Any) -> Report:
-        """Relaxes tissue; dragged elements stay held. Keys of `relax`, such as passes."""
+        """Relaxes tissue; dragged elements stay held. settings: keys of `relax`, such as passes."""
         return self.step(progress=progress, relax=settings)
 
     def fem(self, settings: Optional[Dict[str, Any]] = None, *, progress: Progress = None,
@@ -117,11 +119,12 @@ class Session:
         return self.step(progress=progress, release=True)
 
     def undo(self, *, all: bool = False, progress: Progress = None) -> bool:  # noqa: A002
-        """Takes a step back, bit for bit; all: of one stroke. False where there is none."""
+        """Takes a step back, bit for bit; all: those of one stroke. False where there is none."""
         return self._back_or_forth("undo", all, progress)
 
     def redo(self, *, all: bool = False, progress: Progress = None) -> bool:  # noqa: A002
-        """Makes the step again that was taken back last. False where there is none."""
+        """Makes the step again that was taken back last; all: those of its stroke. False where
+        there is none."""
         return self._back_or_forth("redo", all, progress)
 
     def _back_or_forth(self, kind: str, whole: bool, progress: Progress) -> bool:
@@ -141,7 +144,7 @@ class Session:
 
     @property
     def elements(self) -> int:
-        """Voxels of the body."""
+        """Number of voxels of the body."""
         return self._held.facts(None)["elements"]
 
     @property
@@ -172,15 +175,16 @@ class Session:
     def offsets(self, *, void: str = "nearest", grid: Any = None,
                 progress: Progress = None) -> Warp:
         """Resample direction with certificate: content at x came from x + o(x). void: what places
-        without material hold: "nearest", "outside" or "extend" (docs/offsets.md)."""
+        without material hold: "nearest", "outside" or "extend" (docs/offsets.md). grid: Grid or
+        volume on which they are, by default the session's."""
         on = self.grid if grid is None else as_grid(grid)
         return Warp(self._held.offsets(on, void, progress), on, direction="resample",
                     certificate=dict(self._held.certificate(progress)))
 
     def resample(self, *, grid: Any = None, interpolation: str = "linear",
                  progress: Progress = None) -> Volume:
-        """The deformed volume on its own grid or another, in the type of the source; void reads its
-        background. interpolation: "linear" or "cubic"."""
+        """The deformed volume on its own `grid` or another, in the type of the source; void reads
+        its background. interpolation: "linear" or "cubic"."""
         if interpolation not in ("linear", "cubic"):
             raise InputError(f"interpolation: found {interpolation!r}, expected 'linear' or "
                              "'cubic'", field="interpolation")
@@ -189,15 +193,16 @@ class Session:
                       name="deformed")
 
     def metrics(self, *, maps: bool = True, progress: Progress = None) -> Metrics:
-        """Displacement, det F, folds, change of volume and bending at rest; see Metrics."""
+        """Displacement, det F, folds, change of volume and bending at rest, with maps unless
+        False; see Metrics."""
         return metrics(self, maps=maps, progress=progress)
 
     def apply(self, **what: Any) -> Any:
-        """Points or labels follow the body; see supple.apply()."""
+        """Points or labels follow the body; see supple.apply() for `what` may be said."""
         return apply(self, **what)
 
     def show(self, **view: Any) -> Any:
-        """Picture of the body; see supple.show()."""
+        """Picture of the body; view: the arguments of supple.show()."""
         from ._scene import show
         return show(self, **view)
 
@@ -205,7 +210,7 @@ class Session:
         return self.show(size=[512, 512]).png
 
     def save(self, path: Union[str, os.PathLike], *, progress: Progress = None) -> None:
-        """Writes the state (.vdb), which Session and the program continue."""
+        """Writes the state to a path (.vdb), which Session and the program continue."""
         self._held.save(os.fspath(path), progress)
 
     def journal(self) -> Dict[str, Any]:

@@ -25,7 +25,9 @@ def read_only(array: np.ndarray) -> np.ndarray:
 class Volume:
     """Scalar values [k, j, i] on a grid; from a file, values are read when first asked for.
 
-    Whatever takes a path takes a volume: one that is no file shows itself as one in memory.
+    array: values [k, j, i], not copied. grid: their Grid. name: by which it is told apart. Whatever
+    takes a path takes a volume: one that is no file shows itself as one in memory. facts: dict with
+    format, type and labels. Raises InputError where array and grid do not fit.
     """
 
     def __init__(self, array: Any, grid: Grid, *, name: str = "array"):
@@ -42,7 +44,8 @@ class Volume:
 
     @classmethod
     def open(cls, path: Union[str, os.PathLike], **read: Any) -> "Volume":
-        """Opens a file of any format of volumes; `read`: frame, channel, spacing, raw."""
+        """Opens the file at a path, of any format of volumes; read: frame, channel, spacing (of i,
+        j, k in mm), raw."""
         grid, facts = _supple.open_header(os.fspath(path), read)
         volume = cls.__new__(cls)
         volume._array, volume._memory = None, None
@@ -53,7 +56,8 @@ class Volume:
 
     @classmethod
     def from_array(cls, array: Any, affine: Any, *, name: str = "array") -> "Volume":
-        """Array [k, j, i] and the affine from (i, j, k, 1) to LPS mm, which is not copied."""
+        """Volume of an array [k, j, i], which is not copied, and the affine, 4 x 4, from
+        (i, j, k, 1) to LPS mm; name: of its own."""
         array = np.asarray(array)
         if array.ndim != 3:
             raise InputError(f"array: found {array.ndim} dimensions, expected 3: [k, j, i]",
@@ -62,7 +66,7 @@ class Volume:
 
     @classmethod
     def from_nibabel(cls, image: Any) -> "Volume":
-        """Image of nibabel, whose data are [i, j, k] and whose affine is RAS mm."""
+        """Volume of an image of nibabel, whose data are [i, j, k] and whose affine is RAS mm."""
         data = np.asanyarray(image.dataobj)
         if data.ndim != 3:
             raise InputError(f"image: found {data.ndim} dimensions, expected 3", field="image")
@@ -105,12 +109,12 @@ class Volume:
 
     def save(self, path: Union[str, os.PathLike], *, progress: Progress = None,
              **options: Any) -> None:
-        """Writes the values in the format that the path names; `options`: compress, half, ..."""
+        """Writes the values in the format that the path names; options: compress, half, ..."""
         _supple.write_array(os.fspath(path), _known_type(self.array), self._grid, "", "", options,
                             progress)
 
     def show(self, **view: Any) -> Any:
-        """Picture of the volume; see supple.show()."""
+        """Picture of the volume; view: the arguments of supple.show()."""
         from ._scene import show
         return show(self, **view)
 
@@ -196,9 +200,9 @@ def as_grid(thing: Any) -> Grid:
 
 
 def open(path: Union[str, os.PathLike], **read: Any) -> Volume:  # noqa: A001
-    """Opens a volume: NRRD, MetaImage, NIfTI, DICOM, HDF5, OpenVDB, TIFF, PNG, raw and others.
+    """Opens the volume at a path: NRRD, MetaImage, NIfTI, DICOM, HDF5, OpenVDB, TIFF, PNG, raw.
 
-    `read`: frame, channel, spacing (of i, j, k in mm) or raw, as in a scene's [volume]. Raises
+    read: frame, channel, spacing (of i, j, k in mm) or raw, as in a scene's [volume]. Raises
     InputError for what cannot be read.
     """
     return Volume.open(path, **read)

@@ -16,9 +16,9 @@ from ._volume import Progress, Volume, as_grid, as_volume, read_only
 class Warp:
     """Dense field of a deformation.
 
-    array: float32 [k, j, i, 3], mm along LPS, read-only. direction: "resample", content at x came
-    from x + o(x), or "material", voxel X is now at X + u(X). certificate: dict of the inversion
-    that gave it, or None. report: dict of fit(), or None.
+    array: float32 [k, j, i, 3], mm along LPS, read-only. grid: its Grid. direction: "resample",
+    content at x came from x + o(x), or "material", voxel X is now at X + u(X). certificate: dict of
+    the inversion that gave it, or None. report: dict of fit(), or None.
     """
     report: Optional[dict] = None
 
@@ -36,7 +36,8 @@ class Warp:
 
     @classmethod
     def from_array(cls, array: Any, affine: Any, *, direction: str) -> "Warp":
-        """Vectors [k, j, i, 3] in mm LPS; the affine takes (i, j, k, 1) to LPS mm."""
+        """Warp of an array of vectors [k, j, i, 3] in mm LPS; the affine, 4 x 4, takes (i, j, k, 1)
+        to LPS mm. direction: as Warp has it."""
         return cls(array, Grid(np.shape(array)[:3], affine), direction=direction)
 
     @property
@@ -49,7 +50,8 @@ class Warp:
 
     def save(self, path: Union[str, os.PathLike], *, progress: Progress = None,
              **options: Any) -> None:
-        """Writes NRRD, MetaImage, NIfTI, .h5 or OpenVDB; `options`: compress, ras_vectors, ..."""
+        """Writes NRRD, MetaImage, NIfTI, .h5 or OpenVDB, as the path ends; options: compress,
+        ras_vectors, ..."""
         certificate = json.dumps(self.certificate) if self.certificate else ""
         _supple.write_array(os.fspath(path), self.array, self.grid, self.direction, certificate,
                             options, progress)
@@ -60,7 +62,7 @@ class Warp:
 
 def read_warp(path: Union[str, os.PathLike], *, direction: Optional[str] = None,
               grid: Any = None, progress: Progress = None) -> Warp:
-    """Reads a warp or a transform of ITK, ANTs or elastix.
+    """Reads the warp at a path, or a transform of ITK, ANTs or elastix.
 
     direction: needed where the file does not record it. grid: where a transform that names none is
     evaluated.
@@ -85,7 +87,8 @@ def invert(warp: Any, *, direction: Optional[str] = None, void: str = "extend", 
 
     direction: that of the result; by default the warp's own, which then is the inverse
     deformation, while the other one is the same deformation, written the other way. void: what
-    places hold that nothing reaches: "extend", "outside" or "nearest" (0). Raises InputError for
+    places hold that nothing reaches: "extend", "outside" or "nearest" (0). grid: Grid or volume on
+    which it is, by default the warp's. Raises InputError for
     vectors that are not finite.
     """
     warp = as_warp(warp)
@@ -132,8 +135,8 @@ def compose(*transforms: Any, grid: Any = None, progress: Progress = None) -> Wa
 
 
 class Points(NamedTuple):
-    """Places after a motion, (n, 3) in LPS mm, and for each "inside", "outside", "folded", "torn"
-    or "unresolved"."""
+    """Points after a motion. at: (n, 3) in LPS mm. kinds: for each "inside", "outside", "folded",
+    "torn" or "unresolved"."""
     at: np.ndarray
     kinds: List[str]
 
@@ -163,8 +166,9 @@ def apply(deformation: Any, *, points: Any = None, labels: Any = None, back: boo
 
 def metrics(deformation: Any, *, maps: bool = True, direction: Optional[str] = None,
             progress: Progress = None) -> Any:
-    """Displacement in mm, det F, folds, change of volume and bending of a Session, a Warp, or the
-    path of a state or warp; see Metrics."""
+    """Displacement in mm, det F, folds, change of volume and bending of a deformation: a Session, a
+    Warp, or the path of a state or warp; see Metrics. maps: False leaves the arrays out. direction:
+    of a warp's file that does not record it. Raises InputError for what cannot be read."""
     from ._session import Metrics
     summary, arrays = as_deformation(deformation, direction)._measure(maps, progress)
     return Metrics(summary, {name: read_only(array) for name, array in arrays.items()})

@@ -86,10 +86,10 @@ class RandomMotion:
 
     def __call__(self, data: Any, seed: Optional[int] = None, number: Optional[int] = None, *,
                  progress: Progress = None) -> Dict[str, Any]:
-        """Sample `number` of `seed`: the dict with its image, labels and points deformed, with
-        "warp" (resample direction), "inverse" (material direction) and "truth", a dict as
-        `supple augment` writes it, with "point_kinds" as Points has them. Other keys stay. Raises
-        InputError for what cannot be read, or in which nothing can move."""
+        """Sample `number` of `seed` of data: the dict with its image, labels and points (mm)
+        deformed, with "warp" (resample direction), "inverse" (material direction) and "truth", a
+        dict as `supple augment` writes it, with "point_kinds" as Points has them. Other keys stay.
+        Raises InputError for what cannot be read, or in which nothing can move."""
         result = dict(data) if isinstance(data, dict) else {"image": data}
         image, labels = self._volume(result, "image"), self._volume(result, "labels")
         if image is None:
