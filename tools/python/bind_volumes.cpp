@@ -53,13 +53,6 @@ py::tuple open_header(const std::string& path, const Value& keys) {
   return py::make_tuple(file->header().geometry, facts_of(file->header()));
 }
 
-ValueType type_of(const py::array& array) {
-  ValueType type;
-  const std::string name = py::str(array.dtype().attr("name"));
-  if (find_numpy_type(name, type)) return type;
-  throw InputError({"", "array", "values of type " + name, "whole numbers, float32 or float64"});
-}
-
 /// Writes [k, j, i], or [k, j, i, 3] in mm LPS with their direction.
 void write_array(const std::string& path, const py::array& given, const Geometry& grid,
                  const std::string& direction, const std::string& certificate, const Value& options,

@@ -7,6 +7,7 @@ namespace supple::python {
 
 void bind_volumes(pybind11::module_& module);
 void bind_warps(pybind11::module_& module);
+void bind_blocks(pybind11::module_& module);
 void bind_session(pybind11::module_& module);
 void bind_scenes(pybind11::module_& module);
 

@@ -37,6 +37,7 @@ PYBIND11_MODULE(_supple, module) {
   module.attr("version") = supple::kVersion;
   supple::python::bind_volumes(module);
   supple::python::bind_warps(module);
+  supple::python::bind_blocks(module);
   supple::python::bind_session(module);
   supple::python::bind_scenes(module);
 }

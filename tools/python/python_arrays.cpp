@@ -43,6 +43,13 @@ py::array_t<double> affine_of(const Geometry& grid) {
   return affine;
 }
 
+ValueType type_of(const py::array& array) {
+  ValueType type;
+  const std::string name = py::str(array.dtype().attr("name"));
+  if (find_numpy_type(name, type)) return type;
+  throw InputError({"", "array", "values of type " + name, "whole numbers, float32 or float64"});
+}
+
 py::array array_of(const Geometry& grid, ValueType type, int components, const char* stage,
                    const py::object& callback, const SliceBytes& slice) {
   std::vector<py::ssize_t> shape = {grid.dims().z, grid.dims().y, grid.dims().x};

@@ -21,6 +21,8 @@ Geometry make_grid(const pybind11::tuple& shape,
 pybind11::tuple shape_of(const Geometry& grid);
 pybind11::array_t<double> affine_of(const Geometry& grid);
 
+/// Throws InputError for values of any other type.
+ValueType type_of(const pybind11::array& array);
 /// An array of the grid with a row of `components` at every voxel (1: no row), filled slice by
 /// slice.
 using SliceBytes = std::function<void(int k, char* out)>;

@@ -1,5 +1,6 @@
 """Blocks of Python in the documentation run, one after the other for each page."""
 import contextlib
+import importlib.util
 import inspect
 import io
 import os
@@ -16,6 +17,8 @@ from cases import AFFINE, head
 
 ROOT = os.environ["SUPPLE_SOURCE_DIR"]
 PAGES = ["README.md", "docs/python.md"]
+if importlib.util.find_spec("dask") and importlib.util.find_spec("zarr"):
+    PAGES.append("docs/big_arrays.md")
 
 
 class Pages(unittest.TestCase):
