@@ -22,6 +22,9 @@ Value anchors_json(const HeldParts& held, const StateParts& of_state, const Stat
 Value cuts_json(const std::vector<DoneStep>& done, const StateParts& of_state, const State& state,
                 const Displacement& moved);
 
+/// Their values at rest and as the body is shown, mm or degrees, and their points, LPS mm.
+Value measures_json(const std::vector<Measure>& measures, const Displacement& moved);
+
 class SceneDescription {
  public:
   /// All outlive it. No event has been carried out so far.

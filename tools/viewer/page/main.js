@@ -172,13 +172,9 @@ class App {
       'relax': () => document.getElementById('relax').click(),
       'let-go': () => changes('release', {all: true}),
       'grab': () => this.tools.start('grab'), 'anchor': () => this.tools.start('anchor'),
-      'cut': () => this.tools.start('cut'), 'measure': () => this.tools.start('measure'),
+      'cut': () => this.tools.start('cut'), 'measure': () => this.tools.start('measure'), 'angle': () => this.tools.start('angle'),
       'window-level': () => this.tools.toggle('window-level'),
-      'clear-measures': () => {
-        this.tools.measures = [];
-        session.tell('measures');
-        this.refreshViews();
-      },
+      'clear-measures': () => session.scene?.measures.length && changes('measure', {all: true}),
       'curtain': () => this.curtain.toggle(), 'blink': () => event.repeat || this.curtain.blink(),
       'deformed': () => this.showDeformed(!(session.scene?.deformed ?? true)),
       'reset-view': () => view.reset(event.timeStamp), 'projection': () => space.toggleProjection(event.timeStamp),
