@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raycast/scene/transfer_function.h"
+#include "tools/scene/file/measure.h"
 #include "tools/scene/live/live_picture.h"
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/state_parts.h"

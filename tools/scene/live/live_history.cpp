@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "lib/session/step_model.h"
+#include "tools/scene/file/measure.h"
 #include "tools/scene/live/led_stroke.h"
 #include "tools/scene/live/live_view.h"
 

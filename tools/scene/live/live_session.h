@@ -12,7 +12,6 @@
 
 #include "lib/session/session.h"
 #include "tools/scene/file/live_event.h"
-#include "tools/scene/file/measure.h"
 #include "volumes/base/value.h"
 
 namespace supple {
@@ -26,6 +25,7 @@ class LedStroke;
 class LiveJournal;
 class LiveView;
 class PieceInHand;
+struct Measure;  // tools/scene/file/measure.h
 struct Scene;
 struct SceneView;
 
