@@ -77,7 +77,7 @@ void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
   table.fail("fem", "modes or a motion", "an equilibrium; these are a `step`");
 }
 
-/// One that is added, or which of them are taken away.
+/// Checks one that is added, or which of them are taken away.
 void read_measure_event(Table& table, const LiveEvent& event) {
   const bool adds = table.has("points");
   if (int(adds) + int(event.all) + int(event.remove > 0) != 1) {

@@ -16,7 +16,7 @@ constexpr double kOneLookMs = 1000;
 
 constexpr std::size_t kMostMeasures = 100;
 
-/// The keys of all measures after those looks.
+/// Returns the keys of all measures after those looks.
 Value measures_after(const std::vector<DoneLook>& looks) {
   for (auto look = looks.rbegin(); look != looks.rend(); ++look) {
     if (look->kind == EventKind::measure) return look->after;
@@ -24,7 +24,7 @@ Value measures_after(const std::vector<DoneLook>& looks) {
   return {{"measure", Value::List()}};
 }
 
-/// The same with what the event adds, or without what it takes away.
+/// Adds what the event adds, or takes away what it takes away.
 Value measures_after(const LiveEvent& event, Value measures) {
   Value& list = measures["measure"];
   const std::size_t count = list.size();

@@ -100,7 +100,7 @@ std::string material_text(const DoneStep& done) {
                                      : std::string("material table");
 }
 
-/// A measure by its value at rest, and its name.
+/// Tells a measure by its value at rest, and its name.
 std::string measure_text(const Value& keys) {
   Table table(keys, "");
   const Measure measure = read_measure(table);

@@ -179,6 +179,7 @@ export class Files {
         force: force.querySelector('input').checked, ...form.values(),
         ...(what === 'screenshot' ? {view: this.view.name} : {}),
         ...(kPictures.includes(what) ? {size: form.value('size')} : {})});
+      this.app.embedded.saved({what, ...saved});
       this.app.say(`Saved ${saved.path}, ${bytesText(saved.bytes)}`);
       this.session.addLog({level: 'note', text: `saved ${saved.path}, ${bytesText(saved.bytes)}`});
     });
