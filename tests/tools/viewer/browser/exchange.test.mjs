@@ -162,8 +162,12 @@ step('the viewer stands in a page of another origin that it was told of, and tel
   // Hands in the frame, of which the outer page hears, and the other page, which shows the same session.
   const {x, y, width, height} = await outer.box('supple-view');
   await outer.eval('heard.length = 0');
-  await outer.click(x + 0.45 * width, y + 0.33 * height);
-  await outer.until('the cross-hair moves', `heard.some(({name}) => name === 'crosshair')`);
+  const isMoved = `heard.some(({name}) => name === 'crosshair')`;
+  for (let n = 0; n < 20 && !await outer.eval(isMoved); ++n) {  // until the frame has its picture
+    await outer.click(x + 0.45 * width + n, y + 0.33 * height);
+    await sleep(500);
+  }
+  await outer.until('the cross-hair moves', isMoved);
   const place = (await heard()).findLast(({name}) => name === 'crosshair').lps;
   await sleep(300);
   const {volume: {affine}, slices: {cursor}} = await view.get('scene');
