@@ -30,6 +30,12 @@ Folders::Folders(const std::vector<std::string>& roots) {
   }
 }
 
+Folders Folders::with(const std::string& root) const {
+  std::vector<std::string> roots = m_roots;
+  roots.push_back(root);
+  return Folders(roots);
+}
+
 std::string Folders::absolute(const std::string& path) const {
   const bool is_plain = std::none_of(path.begin(), path.end(),
                                      [](char c) { return (c >= 0 && c < ' ') || c == 127; });

@@ -18,6 +18,8 @@ class Folders {
   /// The path of a file to be written: no link, not hidden, its folder is there. Throws InputError.
   std::string output(const std::string& path) const;
 
+  /// Returns these and another one.
+  Folders with(const std::string& root) const;
   /// True if a file that exists lies within.
   bool holds(const std::string& path) const;
 

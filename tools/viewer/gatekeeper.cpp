@@ -32,6 +32,14 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
+/// Compares in the same time however much of it is right.
+bool is_same(std::string_view given, const std::string& own) {
+  if (given.size() != own.size()) return false;
+  unsigned differs = 0;
+  for (std::size_t i = 0; i < own.size(); ++i) differs |= unsigned(given[i] ^ own[i]);
+  return differs == 0;
+}
+
 std::string host_of(const std::string& origin) {
   return origin.substr(origin.find("://") + 3);
 }
@@ -47,8 +55,11 @@ std::string shown(const std::string& text) {
 }  // namespace
 
 Gatekeeper::Gatekeeper(int port, std::string token, std::vector<std::string> origins,
-                       const std::string& listen)
-    : m_origins(std::move(origins)), m_token(std::move(token)), m_protocol("supple." + m_token) {
+                       const std::string& listen, std::vector<std::string> embedders)
+    : m_origins(std::move(origins)),
+      m_embedders(std::move(embedders)),
+      m_token(std::move(token)),
+      m_protocol("supple." + m_token) {
   for (const std::string& origin : m_origins) m_hosts.push_back(host_of(origin));
   const auto add = [&](const std::string& name) {
     m_hosts.push_back(name + ":" + std::to_string(port));
@@ -64,6 +75,10 @@ bool Gatekeeper::is_own_host(std::string_view host) const {
 
 bool Gatekeeper::is_own_origin(std::string_view origin) const {
   return origin.empty() || std::find(m_origins.begin(), m_origins.end(), origin) != m_origins.end();
+}
+
+bool Gatekeeper::may_embed(std::string_view origin) const {
+  return std::find(m_embedders.begin(), m_embedders.end(), origin) != m_embedders.end();
 }
 
 std::string Gatekeeper::refusal(const std::string& host, const std::string& origin) const {
@@ -83,9 +98,9 @@ std::string Gatekeeper::refusal(const std::string& host, const std::string& orig
          "(docs/viewer.md, \"From another machine\").\n";
 }
 
-std::string plain_origin(const std::string& text) {
+std::string plain_origin(const std::string& text, const std::string& option) {
   const auto fail = [&]() {
-    throw InputError({"", "--origin", "'" + text + "'",
+    throw InputError({"", option, "'" + text + "'",
                       "what the address in the browser begins with, such as https://hub.example or "
                       "http://localhost:9000"});
   };
@@ -119,16 +134,17 @@ std::string plain_base_path(const std::string& text) {
   return text.back() == '/' ? text : text + "/";
 }
 
+bool Gatekeeper::is_authorized(std::string_view header) const {
+  return is_same(header, "Bearer " + m_token);
+}
+
 bool Gatekeeper::has_token(std::string_view protocols) const {
   bool found = false;
   while (!protocols.empty()) {
     const std::size_t comma = std::min(protocols.find(','), protocols.size());
     const std::string_view one = trimmed(protocols.substr(0, comma));
     protocols.remove_prefix(std::min(comma + 1, protocols.size()));
-    if (one.size() != m_protocol.size()) continue;
-    unsigned differs = 0;
-    for (std::size_t i = 0; i < one.size(); ++i) differs |= unsigned(one[i] ^ m_protocol[i]);
-    found = found || differs == 0;
+    found = is_same(one, m_protocol) || found;
   }
   return found;
 }

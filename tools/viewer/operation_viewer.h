@@ -29,6 +29,9 @@ class OperationViewer final : public PageSession, private OperationListener {
   int join(std::shared_ptr<PageOutlet> page) override;
   void leave(int page) override;
   void receive(int page, std::string_view text) override;
+  std::unique_ptr<FileReceiver> receive_file(const std::string&, std::uint64_t) override {
+    throw InputError({"", "drop", "a file", "none; an operation is a scene of its own"});
+  }
   std::size_t page_count() const override { return m_pages.count(); }
   int pages_so_far() const override { return m_pages.joined(); }
   void end(const std::string& reason) override;

@@ -2,6 +2,7 @@
 // it serves.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,6 +10,15 @@
 #include "tools/viewer/pages.h"
 
 namespace supple::tools {
+
+/// Takes the bytes of one file, in order. Of one that was not finished nothing is left.
+class FileReceiver {
+ public:
+  virtual ~FileReceiver() = default;
+  /// Throws Error where it cannot be kept.
+  virtual void add(const char* bytes, std::size_t count) = 0;
+  virtual void finish() = 0;
+};
 
 class PageSession {
  public:
@@ -19,6 +29,9 @@ class PageSession {
   virtual void leave(int page) = 0;
   /// Takes one message. Throws BadMessage: the connection is to be closed.
   virtual void receive(int page, std::string_view text) = 0;
+  /// Begins to take a file whose address and length a page has announced. Throws Error.
+  virtual std::unique_ptr<FileReceiver> receive_file(const std::string& target,
+                                                     std::uint64_t bytes) = 0;
   virtual std::size_t page_count() const = 0;
   virtual int pages_so_far() const = 0;
   /// Says good-bye and ends the session; what runs is cancelled.

@@ -2,6 +2,7 @@
 
 #include "lib/session/handles/handle_motion.h"
 #include "lib/session/handles/handles.h"
+#include "tools/scene/file/measure.h"
 #include "tools/scene/run/reports.h"
 #include "tools/viewer/scene_json.h"
 #include "volumes/base/json.h"
@@ -30,13 +31,6 @@ Value event_json(const char* kind, Value keys) {
   return event;
 }
 
-/// The present place of a place of the body at rest, in LPS mm.
-Vec3d place_now(const Vec3d& rest_index, const State& state, const Displacement& moved) {
-  Vec3d u(0);
-  if (!moved.u.sample(rest_index, u)) u = Vec3d(0);
-  return state.geometry.world_from_index(rest_index + u);
-}
-
 Value held_json(const char* kind, const Value& keys) {
   return {{"text", words_of(keys)}, {"event", event_json(kind, keys)}};
 }
@@ -45,7 +39,7 @@ Value held_json(const char* kind, const Value& keys) {
 void add_places(Value& json, const Vec3d& rest_index, const State& state,
                 const Displacement& moved) {
   json["voxel"] = rest_index;
-  json["lps"] = place_now(rest_index, state, moved);
+  json["lps"] = state.geometry.world_from_index(place_now(rest_index, moved));
   json["rest_lps"] = state.geometry.world_from_index(rest_index);
 }
 
@@ -119,7 +113,7 @@ Value sheet_json(const CutSurface& cut, const State& state, const Displacement& 
   Value places = Value::List();
   for (const Vec3d& point : line) {
     const Vec3d index = cut.in_voxels ? point : geometry.index_from_world(point);
-    places.push_back(place_now(index, state, moved));
+    places.push_back(geometry.world_from_index(place_now(index, moved)));
   }
   return {{"line", places}, {"down", down}, {"up", up}};
 }
@@ -168,6 +162,21 @@ Value anchors_json(const HeldParts& held, const StateParts& of_state, const Stat
     if (!held.has_others) anchor["number"] = n + 1;
   }
   return anchors;
+}
+
+Value measures_json(const std::vector<Measure>& measures, const Displacement& moved) {
+  Value list = Value::List();
+  for (const Measure& measure : measures) {
+    const std::vector<Vec3d> now = points_now(measure, moved);
+    Value& json = list.push_back({{"name", measure.name},
+                                  {"kind", measure.kind()},
+                                  {"unit", measure.unit()},
+                                  {"at_rest", measured_value(measure.points)},
+                                  {"now", measured_value(now)}});
+    for (const Vec3d& point : now) json["lps"].push_back(point);
+    for (const Vec3d& point : measure.points) json["rest_lps"].push_back(point);
+  }
+  return list;
 }
 
 Value cuts_json(const std::vector<DoneStep>& done, const StateParts& of_state, const State& state,

@@ -7,6 +7,7 @@
 
 #include "lib/state/state_outputs.h"
 #include "raycast/scene/transfer_file.h"
+#include "tools/scene/file/measure.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/pictures/picture_writer.h"
 #include "tools/scene/run/slice_pictures.h"
@@ -32,6 +33,7 @@ const std::vector<SaveKind>& save_kinds() {
       {"state", {".vdb"}},
       {"scene", {".toml"}},
       {"journal", {".toml"}},
+      {"measures", {".csv"}},
       {"camera", {".toml"}},
       {"transfer", {".toml"}},
       {"screenshot", {".png"}},
@@ -173,6 +175,10 @@ void write_what(OpenScene& scene, const SaveRequest& request) {
   if (what == "state") return live.session().write_state(request.path, &scene.progress());
   if (what == "scene") return write_text(request.path, toml_document(live.batch_scene()));
   if (what == "journal") return write_text(request.path, toml_document(live.journal()));
+  if (what == "measures") {
+    return write_text(request.path,
+                      measures_csv(live.history().measures(), scene.picture().displacement()));
+  }
   const SceneView& view = scene.picture().view();
   if (what == "camera") return write_text(request.path, to_toml(*view.camera.camera));
   if (what == "transfer") return write_text(request.path, to_toml(look_of(view)));

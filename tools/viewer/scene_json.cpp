@@ -182,6 +182,7 @@ Value SceneDescription::told(bool is_moving, const ScalarRange& overlay_range) {
                    {"transfer", transfer_json(look_of(view))},
                    {"clips", clips}};
   scene["slices"] = shown_slices(m_settings.slices, overlay_range);
+  scene["measures"] = measures_json(m_live.history().measures(), m_picture.displacement());
   scene["deformed"] = m_settings.deformed();
   scene["amount"] = m_settings.amount;
   scene["curtain"] = m_settings.curtain;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "raycast/scene/transfer_function.h"
+#include "tools/scene/file/measure.h"
 #include "tools/scene/live/live_picture.h"
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/state_parts.h"
@@ -21,6 +22,9 @@ Value anchors_json(const HeldParts& held, const StateParts& of_state, const Stat
                    const Displacement& moved);
 Value cuts_json(const std::vector<DoneStep>& done, const StateParts& of_state, const State& state,
                 const Displacement& moved);
+
+/// Their values at rest and as the body is shown, mm or degrees, and their points, LPS mm.
+Value measures_json(const std::vector<Measure>& measures, const Displacement& moved);
 
 class SceneDescription {
  public:

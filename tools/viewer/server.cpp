@@ -15,6 +15,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 
+#include "tools/viewer/file_upload.h"
 #include "tools/viewer/page_socket.h"
 #include "volumes/base/error.h"
 
@@ -74,6 +75,8 @@ using namespace std::chrono_literals;
 
 constexpr auto kRequestTime = 10s;
 constexpr auto kLookEvery = 50ms;
+constexpr const char* kDrop = "/drop/";  // before the address of a file that a page uploads
+constexpr const char* kModule = "/supple-view.js";
 constexpr std::uint32_t kMostHeaderBytes = 8192;
 constexpr std::size_t kMostPending = 64;  // connections without a socket
 
@@ -86,9 +89,9 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
   void read() {
     m_parser.emplace();
     m_parser->header_limit(kMostHeaderBytes);
-    m_parser->body_limit(0);
+    m_parser->body_limit(UINT64_MAX);  // bodies are not read, but files from who has the token
     m_stream.expires_after(kRequestTime);
-    http::async_read(
+    http::async_read_header(
         m_stream, m_buffer, *m_parser, [self = shared_from_this()](Error_code error, std::size_t) {
           if (error == http::error::end_of_stream) return self->close();
           if (!error) return self->respond();
@@ -98,6 +101,8 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
         });
   }
 
+  /// True while it brings a file that was asked for.
+  bool is_trusted() const { return m_is_trusted; }
   void close() {
     Error_code ignored;
     m_stream.socket().shutdown(Tcp::socket::shutdown_both, ignored);
@@ -113,8 +118,9 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     };
     if (request.count(http::field::host) != 1 ||
         !gatekeeper.is_own_host(std::string(request[http::field::host])) ||
-        !is_own(http::field::origin,
-                [&](const std::string& origin) { return gatekeeper.is_own_origin(origin); })) {
+        !is_own(http::field::origin, [&](const std::string& origin) {
+          return gatekeeper.is_own_origin(origin) || is_module_for(origin);
+        })) {
       return send(http::status::forbidden, "text/plain",
                   gatekeeper.refusal(std::string(request[http::field::host]),
                                      std::string(request[http::field::origin])),
@@ -124,6 +130,10 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
         std::string(request.target()) + "/" == m_served.base_path ? m_served.base_path : "";
     if (!m_location.empty()) return send(http::status::permanent_redirect, "text/plain", "", true);
     const std::string target = below_base(std::string(request.target()));
+    const bool is_upload = request.method() == http::verb::post && target.rfind(kDrop, 0) == 0;
+    if (is_upload) return upload(target.substr(std::string(kDrop).size()));
+    if (!m_parser->is_done())
+      return send(http::status::bad_request, "text/plain", "no body\n", false);
     if (target == "/socket") return upgrade();
     const bool is_head = request.method() == http::verb::head;
     if (!is_head && request.method() != http::verb::get) {
@@ -135,10 +145,44 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     send(http::status::ok, file->type, file->bytes, true);
   }
 
+  /// True for the one file that pages of other origins may read, those that may show this page.
+  bool is_module_for(const std::string& origin) const {
+    const auto& request = m_parser->get();
+    return request.method() == http::verb::get && m_served.gatekeeper.may_embed(origin) &&
+           below_base(std::string(request.target())) == kModule;
+  }
+
   /// A proxy may leave the base path before the target or take it away.
   std::string below_base(const std::string& target) const {
     const std::string& base = m_served.base_path;
     return target.rfind(base, 0) == 0 ? target.substr(base.size() - 1) : target;
+  }
+
+  /// Takes a file from who has the token, as a page has announced it.
+  void upload(const std::string& target) {
+    const auto& request = m_parser->get();
+    if (request.count(http::field::authorization) != 1 ||
+        !m_served.gatekeeper.is_authorized(std::string(request[http::field::authorization]))) {
+      return send(http::status::forbidden, "text/plain", "another token\n", false);
+    }
+    const auto length = m_parser->content_length();
+    if (!length) return send(http::status::length_required, "text/plain", "a length\n", false);
+    try {
+      std::unique_ptr<FileReceiver> receiver = m_served.session.receive_file(target, *length);
+      if (m_parser->is_done()) {
+        receiver->finish();
+        return send(http::status::ok, "text/plain", "", true);
+      }
+      m_is_trusted = true;
+      receive_upload(m_stream, m_buffer, std::move(*m_parser), std::move(receiver),
+                     [self = shared_from_this()](http::status status, const std::string& text) {
+                       self->m_is_trusted = false;
+                       self->m_parser.emplace();
+                       self->send(status, "text/plain", text + "\n", status == http::status::ok);
+                     });
+    } catch (const std::exception& error) {
+      send(http::status::conflict, "text/plain", error.what() + std::string("\n"), false);
+    }
   }
 
   void upgrade() {
@@ -163,15 +207,7 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
     m_response.set(http::field::content_type, type);
     m_response.set(http::field::cache_control, "no-store");
     if (!m_location.empty()) m_response.set(http::field::location, m_location);
-    m_response.set("Content-Security-Policy",
-                   "default-src 'none'; script-src 'self'; style-src 'self'; "
-                   "img-src 'self' blob: data:; connect-src 'self'; base-uri 'none'; "
-                   "form-action 'none'; frame-ancestors 'none'");
-    m_response.set("X-Content-Type-Options", "nosniff");
-    m_response.set("X-Frame-Options", "DENY");
-    m_response.set("Referrer-Policy", "no-referrer");
-    m_response.set("Cross-Origin-Opener-Policy", "same-origin");
-    m_response.set("Cross-Origin-Resource-Policy", "same-origin");
+    set_policies();
     m_response.keep_alive(stays && request.keep_alive());
     m_response.content_length(bytes.size());
     if (request.method() != http::verb::head) m_response.body() = std::move(bytes);
@@ -185,8 +221,29 @@ class Visitor final : public std::enable_shared_from_this<Visitor> {
                       });
   }
 
+  /// Admits nothing from elsewhere, and of pages around this one those that were named.
+  void set_policies() {
+    std::string embedders;
+    for (const std::string& origin : m_served.gatekeeper.embedders()) embedders += " " + origin;
+    const std::string policy =
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors";
+    m_response.set("Content-Security-Policy", policy + (embedders.empty() ? " 'none'" : embedders));
+    if (embedders.empty()) m_response.set("X-Frame-Options", "DENY");
+    m_response.set("X-Content-Type-Options", "nosniff");
+    m_response.set("Referrer-Policy", "no-referrer");
+    m_response.set("Cross-Origin-Opener-Policy", "same-origin");
+    const std::string origin(m_parser->get()[http::field::origin]);
+    const bool is_shared = is_module_for(origin);
+    m_response.set("Cross-Origin-Resource-Policy", is_shared ? "cross-origin" : "same-origin");
+    if (!is_shared) return;
+    m_response.set("Access-Control-Allow-Origin", origin);
+    m_response.set("Vary", "Origin");
+  }
+
   beast::tcp_stream m_stream;
   const ServedSession& m_served;
+  bool m_is_trusted = false;
   std::string m_location;  // beside a redirection: the page's relative addresses need its "/"
   beast::flat_buffer m_buffer{kMostHeaderBytes};
   std::optional<http::request_parser<http::empty_body>> m_parser;
@@ -245,7 +302,7 @@ Server::Server(const ServerOptions& options) : m_impl(std::make_unique<Impl>(opt
   }
   const bool is_named = !options.listen.empty() && !address.is_unspecified();
   m_impl->gatekeeper.emplace(port(), options.token, options.origins,
-                             is_named ? address.to_string() : "");
+                             is_named ? address.to_string() : "", options.embedders);
   if (!options.listen.empty()) return;
   try {
     m_impl->v6 = listener(m_impl->context,
@@ -283,9 +340,15 @@ void Server::Impl::accept(Tcp::acceptor& acceptor) {
 /// Adds a visitor. Where too many wait, closes the first ones, which have waited longest.
 void Server::Impl::admit(Tcp::socket&& socket) {
   visitors.remove_if([](const std::weak_ptr<Visitor>& visitor) { return visitor.expired(); });
+  const auto may_go = [](const std::weak_ptr<Visitor>& visitor) {
+    const auto there = visitor.lock();
+    return !there || !there->is_trusted();
+  };
   while (visitors.size() >= kMostPending) {
-    if (const auto oldest = visitors.front().lock()) oldest->close();
-    visitors.pop_front();
+    const auto oldest = std::find_if(visitors.begin(), visitors.end(), may_go);
+    if (oldest == visitors.end()) break;
+    if (const auto there = oldest->lock()) there->close();
+    visitors.erase(oldest);
   }
   Error_code ignored;
   socket.set_option(Tcp::no_delay(true), ignored);

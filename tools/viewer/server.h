@@ -1,10 +1,11 @@
 // HTTP and WebSocket, on the loopback unless told otherwise: serves the page, lets in who has the
 // token (gatekeeper.h), and passes messages on to the session. Whoever misbehaves loses his own
-// connection: requests of more than 8 kB or slower than ten seconds, messages of more than 1 MiB,
+// connection: requests of more than 8 kB or slower than ten seconds, but for files that a page has
+// announced (dropped_files.h), messages of more than 1 MiB,
 // more than 400 a second, or that are none; of connections that have not opened a socket at most 64
 // are kept, the oldest goes.
 //
-// One thread, that of run(). The only file that knows Boost.
+// One thread, that of run(). Boost is known here, in page_socket.h and in file_upload.h alone.
 #pragma once
 
 #include <functional>
@@ -45,6 +46,7 @@ struct ServerOptions {
   std::string listen;                // an address instead of the loopback's; empty: those
   std::string base_path = "/";       // before the paths of the page, where a proxy leaves it there
   std::vector<std::string> origins;  // other ones of the page, as plain_origin() has them
+  std::vector<std::string> embedders;  // whose pages may show this one, likewise
 };
 
 class Server {

@@ -56,6 +56,7 @@ double amount_of(const Value& value) {
 Viewer::Viewer(const ViewerOptions& options, const Folders& folders, Console& console)
     : m_options(options),
       m_folders(folders),
+      m_dropped(std::make_shared<DroppedFiles>(std::uint64_t(options.drop_limit_mb * 1e6))),
       m_console(console),
       m_session_id(make_token().substr(0, 8)),
       m_encoder(m_pages),
@@ -124,6 +125,7 @@ int Viewer::join(std::shared_ptr<PageOutlet> page) {
                  {"pages", m_pages.count() + 1},
                  {"budget_ms", m_options.budget_ms},
                  {"threads", std::thread::hardware_concurrency()}};
+  if (!m_options.embedders.empty()) hello["embed"] = m_options.embedders;
   {
     const std::lock_guard lock(m_guard);
     if (m_left) hello["left"] = {{"text", text_of(*m_left)}, {"unsaved", m_left->unsaved}};
@@ -134,6 +136,7 @@ int Viewer::join(std::shared_ptr<PageOutlet> page) {
 /// The scene lets go of what a page holds when all is done that the page has asked for.
 void Viewer::leave(int page) {
   m_pages.leave(page);
+  m_dropped->forget_page(page, m_open_drop);
   m_mailbox.post([this, page] {
     if (m_scene) m_scene->page_left(page, now_ms());
   });
@@ -169,6 +172,10 @@ void Viewer::dispatch(int page, const PageMessage& message) {
   if (verb == "ack") return take_ack(page, message);
   if (verb == "open") return take_open(page, message);
   if (verb == "go_on") return take_go_on(page, message);
+  if (verb == "drop") {
+    Table table = table_of(message);
+    return answer(page, message, answer_drop(*m_dropped, page, table, m_open_drop));
+  }
   if (verb == "cancel") return take_cancel(page, message);
   if (verb == "size" || verb == "slices" || verb == "deformed" || verb == "curtain") {
     take_wish(message);

@@ -10,6 +10,7 @@
 #include <string>
 #include <thread>
 
+#include "tools/viewer/dropped_files.h"
 #include "tools/viewer/open_scene.h"
 #include "tools/viewer/opened_file.h"
 #include "tools/viewer/page_message.h"
@@ -24,8 +25,10 @@ struct ViewerOptions {
   std::string preset;
   double budget_ms = 40;
   PixelSize size{512, 512};
-  std::string sessions;  // folder of the journals that are kept; empty: none
-  bool go_on = false;    // where the last session of the input ended
+  std::string sessions;                // folder of the journals that are kept; empty: none
+  bool go_on = false;                  // where the last session of the input ended
+  std::vector<std::string> embedders;  // origins whose pages may hear what happens
+  double drop_limit_mb = 4096;         // of files that pages upload, together; 0: none
 };
 
 class Viewer final : public PageSession {
@@ -37,6 +40,10 @@ class Viewer final : public PageSession {
   int join(std::shared_ptr<PageOutlet> page) override;
   void leave(int page) override;
   void receive(int page, std::string_view text) override;
+  std::unique_ptr<FileReceiver> receive_file(const std::string& target,
+                                             std::uint64_t bytes) override {
+    return m_dropped->receiver_of(target, bytes);
+  }
   std::size_t page_count() const override { return m_pages.count(); }
   int pages_so_far() const override { return m_pages.joined(); }
   void end(const std::string& reason) override;
@@ -66,7 +73,8 @@ class Viewer final : public PageSession {
   using Question = std::function<Value(OpenScene&)>;
   /// Runs on the session's thread, and answers with what it returns.
   void answer_later(int page, const PageMessage& message, const Question& work);
-  void open(const OpenedFile& file, const std::string& input, const std::string& replaces = "");
+  void open(const OpenedFile& file, const std::string& input, const std::string& replaces = "",
+            int dropped = 0);
   void open_later(int page, const PageMessage& message, const std::function<void()>& opens);
   void go_on_with(const LeftSession& left, bool is_own_input);
   double now_ms() const;
@@ -74,6 +82,7 @@ class Viewer final : public PageSession {
 
   const ViewerOptions m_options;
   const Folders m_folders;
+  const std::shared_ptr<DroppedFiles> m_dropped;
   Console& m_console;
   const std::string m_session_id;
   const std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
@@ -91,6 +100,7 @@ class Viewer final : public PageSession {
   OpenScene* m_interruptible = nullptr;
 
   std::unique_ptr<OpenScene> m_scene, m_next;  // of the session's thread
+  std::atomic<int> m_open_drop{0};             // the group that is open; 0: another file
   std::atomic<bool> m_ends{false}, m_has_ended{false};
   std::exception_ptr m_failure;
   std::thread m_thread;

@@ -35,7 +35,8 @@ void Viewer::begin() {
 }
 
 /// Makes m_next, on the session's thread or before there is one. On failure the old scene stays.
-void Viewer::open(const OpenedFile& file, const std::string& input, const std::string& replaces) {
+void Viewer::open(const OpenedFile& file, const std::string& input, const std::string& replaces,
+                  int dropped) {
   m_progress.begin();
   ViewSettings settings;
   {
@@ -49,9 +50,11 @@ void Viewer::open(const OpenedFile& file, const std::string& input, const std::s
   m_next->assume(file.assumed);
   if (file.is_scan) m_next->begin_outside();
   m_next->keep(
-      std::make_unique<KeptJournal>(m_options.sessions, input, replaces,
+      std::make_unique<KeptJournal>(dropped > 0 ? "" : m_options.sessions, input, replaces,
                                     [this](const std::string& line) { m_progress.warn(line); }));
   m_progress.end();
+  const int before = m_open_drop.exchange(dropped);
+  if (before != dropped) m_dropped->forget(before);
   m_pages.forget_frames();
   const std::lock_guard lock(m_guard);
   m_settings = m_next->settings();
@@ -62,14 +65,32 @@ void Viewer::open(const OpenedFile& file, const std::string& input, const std::s
 
 void Viewer::take_open(int page, const PageMessage& message) {
   Table table = table_of(message);
-  const std::string path =
-      m_folders.input(table.require(table.get<std::string>("path"), "path", "a file"));
+  const int dropped = int(table.get<long long>("drop").value_or(0));
+  std::string path;
+  if (dropped == 0) {
+    path = m_folders.input(table.require(table.get<std::string>("path"), "path", "a file"));
+  }
   std::string material = table.get<std::string>("material").value_or("");
   const bool is_file =
       !material.empty() && material != kUniform && find_tissue_preset(material) == nullptr;
   if (is_file) material = m_folders.input(material);
   const std::string preset = table.get<std::string>("preset").value_or("");
   table.finish();
+  if (dropped != 0) {
+    // The copies go with the program: no journal is kept that would name them.
+    return open_later(page, message, [this, dropped, material] {
+      m_progress.begin();
+      try {
+        const std::string folder = m_dropped->folder_of(dropped), file = file_to_open(folder);
+        OpenedFile opened = opened_file(file, material, "", &m_progress);
+        require_within(opened.root, m_folders.with(folder));
+        open(opened, file, "", dropped);
+      } catch (const std::exception&) {
+        m_dropped->forget(dropped);
+        throw;
+      }
+    });
+  }
   open_later(page, message, [this, path, material, preset] {
     m_progress.begin();
     OpenedFile file = opened_file(path, material, preset, &m_progress);

@@ -5,11 +5,13 @@ import os
 import socket
 import struct
 import sys
+import tempfile
 import time
 
 from page import BINARY, CLOSE, PING, TEXT, Closed, Page, Refused, Server, ball_folder, handshake
 
 SECRET = "the secret of a file outside"
+SCRATCH = tempfile.TemporaryDirectory(prefix="supple-scratch-")  # of the server
 
 
 def connect(server):
@@ -135,6 +137,97 @@ def raw_message(text):
     return lambda page: page.send_raw(TEXT, data)
 
 
+def announced(server, name="a.vdb", size=8):
+    """A page that has announced a file, and the address of it."""
+    page = Page(server.port, server.token)
+    return page, f"{page.ask(drop={'files': [{'name': name, 'bytes': size}]})}/0"
+
+
+def post(server, target, body=b"", token=None, length=None, more=""):
+    """What the server says to a file that is sent."""
+    length = len(body) if length is None else length
+    key = server.token if token is None else token
+    return answer_to(server, (
+        f"POST /drop/{target} HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
+        f"Authorization: Bearer {key}\r\n{more}" +
+        ("" if length < 0 else f"Content-Length: {length}\r\n") + "\r\n").encode() + body)
+
+
+def upload(server, size=8, statuses=(409,), **how):
+    """Refused, and the file can still be sent as it was announced; then nothing stays of it."""
+    page, target = announced(server, size=size)
+    refuses(post(server, target, **how), *statuses)
+    assert is_status(post(server, target, b"x" * size), 200)
+    refuses(post(server, target, length=size), 409)  # once
+    page.close()
+    no_copies()
+
+
+def unannounced(server):
+    refuses(post(server, "1/0", length=8), 409)
+    page, target = announced(server)
+    for other in ("", "/", "../a", target + "/0", target[:-1] + "1", "-1/0", "9" * 30 + "/0"):
+        refuses(post(server, other, length=8), 409)
+    page.close()
+
+
+def half_sent(server):
+    """Files of which a part comes, and then the end of the connection, or nothing."""
+    page, target = announced(server, size=1 << 20)
+    for resets in (False, True):
+        raw = connect(server)
+        raw.sendall((f"POST /drop/{target} HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\nAuthorization: "
+                     f"Bearer {server.token}\r\nContent-Length: {1 << 20}\r\n\r\n").encode() + b"x" * 50000)
+        time.sleep(0.2)
+        if resets:
+            raw.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            raw.close()
+            continue
+        begun = time.monotonic()
+        raw.settimeout(15)
+        try:
+            assert raw.recv(100) == b""
+        except ConnectionError:
+            pass
+        assert time.monotonic() - begun < 14, "it waits for ever"
+        raw.close()
+    time.sleep(0.2)
+    assert copies() == [], copies()
+    try:
+        page.ask(open={"drop": int(target.split("/")[0])})
+        raise AssertionError("a file was opened that is not there")
+    except RuntimeError as error:
+        assert "a.vdb" in str(error), error
+    page.close()
+    no_copies()
+
+
+def copies():
+    return [name for _, _, names in os.walk(SCRATCH.name) for name in names]
+
+
+def no_copies():
+    """A page that is gone takes its files with it."""
+    for _ in range(50):
+        if not copies():
+            return
+        time.sleep(0.1)
+    raise AssertionError(copies())
+
+
+def dropped(server, contents):
+    """A file of these contents is sent and opened: one line says why not."""
+    page, target = announced(server, "a.toml", len(contents))
+    assert is_status(post(server, target, contents), 200)
+    try:
+        page.ask(open={"drop": int(target.split("/")[0])})
+        raise AssertionError("it was opened")
+    except RuntimeError as error:
+        assert SECRET not in str(error) and "\n" not in str(error), error
+    assert copies() == [], copies()
+    page.close()
+
+
 def nested(depth):
     return '{"event": ' + '{"kind": ' * depth + "1" + "}" * depth + "}"
 
@@ -216,6 +309,29 @@ def attacks(server, folder):
             server, lambda page: page.send_raw(CLOSE, struct.pack(">H", 5)), 1002),
         "garbage behind the handshake": lambda: closes(
             server, lambda page: page.socket.sendall(os.urandom(100000)), 1002, 1007, 1009, 1003),
+        "a file without token": lambda: upload(server, statuses=(403,), token="", length=8),
+        "a file with a wrong token": lambda: upload(server, statuses=(403,), token="0" * 32, length=8),
+        "a file with two tokens": lambda: upload(
+            server, statuses=(403,), length=8, more=f"Authorization: Bearer {server.token}\r\n"),
+        "a file from elsewhere": lambda: upload(
+            server, statuses=(403,), length=8, more=f"Origin: {evil}\r\n"),
+        "a file without a length": lambda: upload(server, statuses=(411,), length=-1),
+        "a file in chunks": lambda: upload(
+            server, statuses=(411,), length=-1, more="Transfer-Encoding: chunked\r\n"),
+        "a longer file": lambda: upload(server, length=9),
+        "a file of 2^63": lambda: upload(server, statuses=(409, 400), length=1 << 63),
+        "a file that nobody announced": lambda: unannounced(server),
+        "half a file": lambda: half_sent(server),
+        "a file with folders in its name": lambda: error_of(
+            server, drop={"files": [{"name": "../../a.toml", "bytes": 1}]}),
+        "a file of a terabyte": lambda: error_of(
+            server, drop={"files": [{"name": "a.raw", "bytes": 10**12}]}),
+        "a file of less than nothing": lambda: error_of(
+            server, drop={"files": [{"name": "a.raw", "bytes": -1}]}),
+        "a dropped scene whose volume lies outside": lambda: dropped(
+            server, b'[volume]\npath = "/etc/passwd"\n'),
+        "a dropped scene by ..": lambda: dropped(
+            server, f'[volume]\npath = "../../../../{outside}"\n'.encode()),
         "sockets that vanish": lambda: vanish(server),
         "200 half-open connections": lambda: half_open(server),
         "a slow loris": lambda: slow_loris(server),
@@ -273,6 +389,7 @@ def main():
 
 
 def run_all(folder):
+    os.environ["TMPDIR"] = SCRATCH.name
     with Server("ball.nrrd", "--material", "uniform", "--size", "96,96", folder=folder) as server:
         witness = Witness(server)
         before = server.memory_mb()
@@ -291,6 +408,7 @@ def run_all(folder):
         print(f"{len(everything)} attacks, {failures} failures, memory grew by {grown:.0f} MB, the "
               f"slowest drag beside them took {1000 * witness.worst:.0f} ms")
         assert server.process.poll() is None, "the server is gone"
+        no_copies()
         assert failures == 0
         assert grown < 100, "what attackers send is kept"
 

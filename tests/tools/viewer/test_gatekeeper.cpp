@@ -184,3 +184,20 @@ TEST_F(UnitFolders, WhatIsOutsideAndWhatIsMissingLookAlike) {
   };
   EXPECT_EQ(message("../secret"), message("../nothing"));
 }
+
+TEST(UnitGatekeeper, OnlyPagesOfNamedOriginsMayShowThePageAndTheKeyLetsFilesIn) {
+  const std::string token(32, 'a');
+  EXPECT_FALSE(Gatekeeper(8080, token).may_embed("http://127.0.0.1:8080"));
+  const Gatekeeper keeper(8080, token, {}, "", {"https://ward.example"});
+  EXPECT_TRUE(keeper.may_embed("https://ward.example"));
+  for (const char* other : {"", "null", "http://ward.example", "https://ward.example.evil",
+                            "https://ward.example:8443", "http://127.0.0.1:8080"}) {
+    EXPECT_FALSE(keeper.may_embed(other)) << other;
+  }
+  EXPECT_FALSE(keeper.is_own_origin("https://ward.example"));
+  EXPECT_TRUE(keeper.is_authorized("Bearer " + token));
+  for (const std::string& other : {std::string(), token, "bearer " + token, "Bearer " + token + "a",
+                                   "Bearer " + std::string(32, 'b')}) {
+    EXPECT_FALSE(keeper.is_authorized(other)) << other;
+  }
+}

@@ -7,6 +7,7 @@
 #include "tools/commands/deform/operation_command.h"
 #include "tools/console/command.h"
 #include "tools/console/field_options.h"
+#include "tools/scene/file/measure.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/operation/operation_scene.h"
 #include "tools/scene/pictures/picture_writer.h"
@@ -21,7 +22,7 @@ namespace supple::tools {
 namespace {
 
 struct ReplayFiles {
-  std::string input, check, image, film, scene, journal, state;
+  std::string input, check, image, film, scene, journal, state, measures;
   bool compares = false;
   double duration_s = 0;
   std::vector<std::string> given;  // options of ReplayOptions that the command line has
@@ -69,7 +70,7 @@ void print_replay(const ReplayReport& report, const std::string& hash, double pe
   std::printf("peak memory    %.0f MB\nstate          %s\n", peak_mb, hash.c_str());
 }
 
-void write_toml(const std::string& path, const std::string& text) {
+void write_file(const std::string& path, const std::string& text) {
   AtomicFile file(path);
   std::ofstream out(file.path(), std::ios::binary);
   if (!(out << text << std::flush)) throw_write_error(path, errno);
@@ -81,7 +82,8 @@ int run_operation(Table root, const ReplayFiles& files, const ReplayOptions& opt
   for (const auto& [text, name] : {std::pair(&files.film, "--film"),
                                    {&files.scene, "--scene"},
                                    {&files.journal, "--journal"},
-                                   {&files.state, "--state"}}) {
+                                   {&files.state, "--state"},
+                                   {&files.measures, "--measures"}}) {
     refuse_option(!text->empty(), name);
   }
   refuse_option(files.compares, "--ssim");
@@ -114,6 +116,7 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
   plan.protect(files.input);
   if (!files.image.empty()) plan.add_image(files.image);
   if (!files.state.empty()) plan.add_state(files.state);
+  if (!files.measures.empty()) plan.add_table(files.measures);
   for (const std::string& path : {files.scene, files.journal}) {
     if (!path.empty()) plan.add_like(path, files.input);
   }
@@ -132,9 +135,13 @@ int run_replay(const ReplayFiles& files, const ReplayOptions& options, const Glo
   Session& session = replay.live().session();
   const std::string hash = hash_of(session.state());
   if (!files.image.empty()) write_png(files.image, *replay.settled());
-  if (!files.scene.empty()) write_toml(files.scene, toml_document(replay.live().batch_scene()));
-  if (!files.journal.empty()) write_toml(files.journal, toml_document(replay.live().journal()));
+  if (!files.scene.empty()) write_file(files.scene, toml_document(replay.live().batch_scene()));
+  if (!files.journal.empty()) write_file(files.journal, toml_document(replay.live().journal()));
   if (!files.state.empty()) session.write_state(files.state, &console);
+  if (!files.measures.empty()) {
+    write_file(files.measures,
+               measures_csv(replay.live().history().measures(), replay.displacement()));
+  }
   if (global.json) {
     Value json = replay_json(replay.report());
     json["peak_rss_mb"] = peak_mb;
@@ -183,6 +190,8 @@ Command add_replay(CLI::App& program) {
   app->add_option("--journal", files->journal, "What was carried out, to be replayed")
       ->option_text("F.toml");
   app->add_option("--state", files->state, "The state at the end")->option_text("F.vdb");
+  app->add_option("--measures", files->measures, "Distances and angles at rest and at the end")
+      ->option_text("F.csv");
   app->add_flag("--ssim", files->compares, "Compare first pixels with what they become");
   return {app, [app, files, options](const GlobalOptions& global, Console& console) {
             for (const char* name : {"--size", "--budget", "--speed", "--fps"}) {

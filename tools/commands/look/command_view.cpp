@@ -39,6 +39,10 @@ Fields fields(ViewCommand& command) {
       Field("grace", command.server.grace_s, "That the session outlives its last page; 0: for ever")
           .unit("s")
           .at_least(0),
+      Field("drop_limit", command.viewer.drop_limit_mb,
+            "Of files that are dropped on the page, together; 0: none are taken")
+          .unit("MB")
+          .range(0, 1e6),
   };
 }
 
@@ -110,6 +114,8 @@ int run_view(ViewCommand command, const GlobalOptions& global, Console& console)
       command.token_file.empty() ? make_token() : token_of_file(command.token_file);
   if (!command.no_journal) command.viewer.sessions = folder_of_kept_sessions();
   for (std::string& origin : command.server.origins) origin = plain_origin(origin);
+  for (std::string& origin : command.server.embedders) origin = plain_origin(origin, "--embed");
+  command.viewer.embedders = command.server.embedders;
   command.server.base_path = plain_base_path(command.server.base_path);
   Server server(command.server);
   if (!command.server.listen.empty()) {
@@ -171,6 +177,12 @@ Command add_view(CLI::App& program) {
   app->add_option("--origin", command->server.origins,
                   "What the address in the browser begins with behind a proxy or another forwarded "
                   "port, such as http://localhost:9000; may be repeated")
+      ->option_text("ORIGIN")
+      ->allow_extra_args(false);
+  app->add_option(
+         "--embed", command->server.embedders,
+         "Let pages of this origin show the viewer in theirs, by <supple-view> or a frame, "
+         "such as https://ward.example; may be repeated")
       ->option_text("ORIGIN")
       ->allow_extra_args(false);
   app->add_option("--base-path", command->server.base_path,

@@ -6,6 +6,7 @@
 #include "lib/session/file/step_keys.h"
 #include "lib/session/kept_voxels.h"
 #include "lib/session/step_model.h"
+#include "tools/scene/file/measure.h"
 #include "volumes/base/value.h"
 
 namespace supple::tools {
@@ -14,8 +15,8 @@ namespace {
 
 const std::vector<std::string>& kind_names() {
   static const std::vector<std::string> names = {
-      "grab", "push", "drag", "release", "cut",      "anchor", "relax", "limits",
-      "step", "undo", "redo", "model",   "material", "camera", "look",  "clip"};
+      "grab", "push", "drag",  "release",  "cut",    "anchor", "relax", "limits", "step",
+      "undo", "redo", "model", "material", "camera", "look",   "clip",  "measure"};
   return names;
 }
 
@@ -24,13 +25,15 @@ Fields own_fields(LiveEvent& event) {
   const EventKind kind = event.kind;
   const bool is_release = kind == EventKind::release;
   const bool is_back = kind == EventKind::undo || kind == EventKind::redo;
+  const bool is_measure = kind == EventKind::measure;
   Fields own;
   for (const Field& field : fields(event)) {
     const std::string& name = field.name();
     const bool is_missing =
         ((name == "to" || name == "turn") && kind != EventKind::drag) ||
         (name == "joint" && kind != EventKind::grab) ||
-        (name == "all" && !is_release && !is_back) || (name == "looks" && !is_back) ||
+        (name == "all" && !is_release && !is_back && !is_measure) ||
+        (name == "remove" && !is_measure) || (name == "looks" && !is_back) ||
         (name == "restore" && !is_release) || (name == "handle" && !is_release) ||
         (name == "anchor" && !is_release) || (name == "cut" && !is_release) ||
         (name == "no_relax" && !is_release) || (name == "limits" && kind != EventKind::limits) ||
@@ -72,6 +75,16 @@ void read_model_event(Table& table, const LabelNames& names, LiveEvent& event) {
   }
   if (!event.step.fem || (!event.step.fem->modes && !event.step.fem->motion)) return;
   table.fail("fem", "modes or a motion", "an equilibrium; these are a `step`");
+}
+
+/// Checks one that is added, or which of them are taken away.
+void read_measure_event(Table& table, const LiveEvent& event) {
+  const bool adds = table.has("points");
+  if (int(adds) + int(event.all) + int(event.remove > 0) != 1) {
+    table.fail("measure", adds ? "points beside what is taken away" : "nothing to measure",
+               "points, remove or all");
+  }
+  if (adds) read_measure(table);
 }
 
 /// The view's part that the event replaces; the rest of a view is read where it is drawn.
@@ -122,6 +135,8 @@ void read_keys(Table& table, const LabelNames& names, LiveEvent& event) {
     case EventKind::look:
     case EventKind::clip:
       return read_part_of_view(table, event.kind);
+    case EventKind::measure:
+      return read_measure_event(table, event);
     default:
       return;
   }
@@ -192,10 +207,10 @@ Fields fields(LiveEvent& event) {
           .at_least(0),
       Field("all", event.all,
             "Of release: let go of everything that is held or fixed; of undo and redo: all drags "
-            "since one grab, or all of a relaxation"),
+            "since one grab, or all of a relaxation; of measure: take all away"),
       Field("looks", event.looks,
-            "Of undo and redo: looks and clips count as steps, too; those of a kind that follow "
-            "each other within a second are one"),
+            "Of undo and redo: looks, clips and measures count as steps, too; looks or clips that "
+            "follow each other within a second are one"),
       Field("restore", event.restore, "Of release: take the drags since the grab back"),
       Field("handle", event.handle,
             "Of release: let go of this one alone, the first being 1; the others stay held")
@@ -203,6 +218,8 @@ Fields fields(LiveEvent& event) {
       Field("anchor", event.anchor, "Of release: likewise of what is fixed").at_least(0),
       Field("cut", event.cut,
             "Of release: take this cut out; the steps after it are made again without it")
+          .at_least(0),
+      Field("remove", event.remove, "Of measure: take this one away, the first being 1")
           .at_least(0),
       Field("no_relax", event.no_relax, "Of release: even where the material asks for it"),
       Field("limits", event.limits, {"box", "ball", "tighten"}, "Of limits: those of later drags"),

@@ -17,8 +17,8 @@ namespace supple::tools {
 /// the directions of a scene's `by`; release ends that, the handle stays held unless everything is
 /// let go. cut, anchor, relax, material and step are those of a scene. model chooses what moves the
 /// body in later drags. undo and redo count events that changed the body, and
-/// looks and clips where `looks` asks for it. camera, look and clip
-/// replace that part of the view.
+/// looks, clips and measures where `looks` asks for it. camera, look and clip
+/// replace that part of the view; measure adds one, or takes some away.
 enum class EventKind {
   grab,
   push,
@@ -35,7 +35,8 @@ enum class EventKind {
   material,
   camera,
   look,
-  clip
+  clip,
+  measure
 };
 
 struct LiveEvent {
@@ -51,14 +52,20 @@ struct LiveEvent {
   bool all = false, looks = false;
   bool restore = false, no_relax = false;
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
+  int remove = 0;                       // of measure, likewise
   Limits limits = Limits::box;
   bool under_hand = false;        // of model: it moves what is dragged, live
   std::vector<Vec3d> directions;  // of grab: shifts in mm whose responses are found for that
   /// Its keys are those of a [[step]]; of grab and push its one handle, which does not move.
   Step step;
-  Value view;  // of camera, look and clip: the keys of that part of a view
+  Value view;  // of camera, look and clip: the keys of that part of a view; of measure: its own
 
+  /// True if it leaves the body alone.
   bool is_of_view() const { return kind >= EventKind::camera; }
+  /// True if it takes the place of the last one of its kind, which nobody has seen.
+  bool replaces_its_kind() const {
+    return kind == EventKind::drag || (is_of_view() && kind != EventKind::measure);
+  }
 };
 Fields fields(LiveEvent& event);
 /// The keys of an event that are not its own fields, as a journal has them.

@@ -11,7 +11,7 @@ bool replaces(const LiveEvent& later, const PostedEvent& posted) {
   const LiveEvent& earlier = posted.event;
   const bool is_alike = later.kind == earlier.kind && later.page == earlier.page;
   if (posted.task || !is_alike) return false;
-  return later.kind == EventKind::drag || later.is_of_view();
+  return later.replaces_its_kind();
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "lib/session/step_model.h"
+#include "tools/scene/file/measure.h"
 #include "tools/scene/live/led_stroke.h"
 #include "tools/scene/live/live_view.h"
 
@@ -12,6 +13,41 @@ namespace {
 
 /// Looks or clips that follow each other so soon are one step: a point that is dragged, a slider.
 constexpr double kOneLookMs = 1000;
+
+constexpr std::size_t kMostMeasures = 100;
+
+/// Returns the keys of all measures after those looks.
+Value measures_after(const std::vector<DoneLook>& looks) {
+  for (auto look = looks.rbegin(); look != looks.rend(); ++look) {
+    if (look->kind == EventKind::measure) return look->after;
+  }
+  return {{"measure", Value::List()}};
+}
+
+/// Adds what the event adds, or takes away what it takes away.
+Value measures_after(const LiveEvent& event, Value measures) {
+  Value& list = measures["measure"];
+  const std::size_t count = list.size();
+  if (std::size_t(event.remove) > count) {
+    throw InputError({event.place, "remove", std::to_string(event.remove),
+                      "one of " + std::to_string(count) + " measures that there are, from 1"});
+  }
+  if (event.all) {
+    list = Value::List();
+  } else if (event.remove > 0) {
+    list.erase(std::size_t(event.remove) - 1);
+  } else if (count == kMostMeasures) {
+    throw InputError({event.place, "measure", "one more than " + std::to_string(count),
+                      "some taken away before"});
+  } else {
+    list.push_back(event.view);
+  }
+  return measures;
+}
+
+bool is_of_picture(const DoneLook& look) {
+  return look.kind != EventKind::measure;
+}
 
 /// Moves the last of one list to the end of another.
 template <class Done>
@@ -33,8 +69,22 @@ int LiveHistory::stroke_of(EventKind kind, const Step& step) {
   return hand_stroke;
 }
 
+std::vector<Measure> LiveHistory::measures() const {
+  std::vector<Measure> measures;
+  Table root(measures_after(looks), "");
+  for (Table& table : root.tables("measure")) measures.push_back(read_measure(table));
+  return measures;
+}
+
 /// Records the last of cameras in a row alone, and of looks or clips the last of one step.
 void LiveSession::change_view(const LiveEvent& event) {
+  if (event.kind == EventKind::measure) {
+    const Value before = measures_after(m_history.looks);
+    const Value after = measures_after(event, before);
+    m_history.undone_looks.clear();
+    m_history.looks.push_back({event.kind, ++m_history.order, event.at_ms, before, after});
+    return m_journal->add(event);
+  }
   const Value before = m_view->part(event.kind);
   m_view->set_part(event.kind, event.view, event.place);
   LiveEvent carried_out = event;
@@ -71,7 +121,7 @@ void LiveSession::undo(const LiveEvent& event) {
   int newest = done.empty() ? 0 : done.back().order;
   if (m_led->moves()) newest = m_led->order();
   if (event.looks && !looks.empty() && newest < looks.back().order) {
-    m_view->set_part(looks.back().kind, looks.back().before);
+    if (is_of_picture(looks.back())) m_view->set_part(looks.back().kind, looks.back().before);
     return hand_over(looks, m_history.undone_looks);
   }
   if (!take_back()) return;
@@ -93,7 +143,7 @@ void LiveSession::redo(const LiveEvent& event, Progress* progress) {
   std::vector<DoneStep>& undone = m_history.undone;
   if (event.looks && !looks.empty() &&
       (undone.empty() || looks.back().order < undone.back().order)) {
-    m_view->set_part(looks.back().kind, looks.back().after);
+    if (is_of_picture(looks.back())) m_view->set_part(looks.back().kind, looks.back().after);
     return hand_over(looks, m_history.looks);
   }
   if (undone.empty()) return;

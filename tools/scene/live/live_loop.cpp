@@ -177,7 +177,8 @@ bool LiveLoop::carry_out(const LiveEvent& event) {
   try {
     m_watcher.check(event);
     m_live.carry_out(event, m_progress);
-    if (event.is_of_view() || event.looks) m_picture.look(framed(m_live.view()));
+    const bool is_seen = event.is_of_view() && event.kind != EventKind::measure;
+    if (is_seen || event.looks) m_picture.look(framed(m_live.view()));
     return true;
   } catch (const Error& error) {
     if (m_listener.cancelled() || !m_watcher.refused(event, error.what())) throw;

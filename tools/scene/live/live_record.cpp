@@ -35,6 +35,7 @@ Value keys_of_event(const LiveEvent& event) {
   if (event.handle > 0) json["handle"] = event.handle;
   if (event.anchor > 0) json["anchor"] = event.anchor;
   if (event.cut > 0) json["cut"] = event.cut;
+  if (event.remove > 0) json["remove"] = event.remove;
   if (event.no_relax) json["no_relax"] = true;
   if (event.kind == EventKind::limits) {
     json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];

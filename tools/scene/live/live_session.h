@@ -25,6 +25,7 @@ class LedStroke;
 class LiveJournal;
 class LiveView;
 class PieceInHand;
+struct Measure;  // tools/scene/file/measure.h
 struct Scene;
 struct SceneView;
 
@@ -43,7 +44,8 @@ struct DoneStep {
   double turned_deg = 0;  // of a rigid piece in hand
 };
 
-/// A look or clips, and what they replaced: keys of that part of the view.
+/// A look, clips or measures, and what they replaced: keys of that part of the view, or all
+/// measures.
 struct DoneLook {
   EventKind kind;
   int order;
@@ -51,16 +53,19 @@ struct DoneLook {
   Value before, after;
 };
 
-/// Steps, looks and clips of a session; the last of those that are undone is redone first.
+/// Steps, looks, clips and measures of a session; the last of those that are undone is redone
+/// first.
 struct LiveHistory {
   std::vector<DoneStep> done, undone;
   std::vector<DoneLook> looks, undone_looks;
-  int order = 0;                    // of the last step, look or clip
+  int order = 0;                    // of the last of them
   int stroke = 0, hand_stroke = 0;  // the last number of all; of the drags since the grab
 
   /// Numbers the next step's stroke. It follows from the events as a journal has them, in which a
   /// relaxation is as many as it had slices, and what settles drags is a step of its own.
   int stroke_of(EventKind kind, const Step& step);
+  /// Reads those that there are now.
+  std::vector<Measure> measures() const;
 };
 
 /// The part of the body that is grabbed or was grabbed last, and where it is; places as `to`

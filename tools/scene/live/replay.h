@@ -64,6 +64,8 @@ class Replay final : public LoopWatcher {
   void film(const std::function<void(const Image&)>& add);
 
   LiveSession& live() { return m_live; }
+  /// The displacement that is shown.
+  const Displacement& displacement() { return m_loop.picture().displacement(); }
   const ReplayReport& report() const { return m_report; }
   /// The last settled picture.
   const std::optional<Image>& settled() { return m_loop.picture().settled(); }

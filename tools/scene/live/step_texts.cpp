@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "lib/session/step_model.h"
+#include "tools/scene/file/measure.h"
 #include "volumes/base/json.h"
 #include "volumes/base/text.h"
 
@@ -99,6 +100,16 @@ std::string material_text(const DoneStep& done) {
                                      : std::string("material table");
 }
 
+/// Tells a measure by its value at rest, and its name.
+std::string measure_text(const Value& keys) {
+  Table table(keys, "");
+  const Measure measure = read_measure(table);
+  const double value = measured_value(measure.points);
+  const std::string text =
+      std::string("measure ") + (measure.is_angle() ? degrees_text(value) : mm_text(value));
+  return measure.name.empty() ? text : text + ", " + measure.name;
+}
+
 /// Steps of equal strokes in a row, in the order that is given.
 using Stroke = std::vector<const DoneStep*>;
 std::vector<Stroke> strokes_of(const Steps& steps, bool from_end) {
@@ -183,6 +194,11 @@ std::string look_text(const DoneLook& look) {
   if (look.kind == EventKind::clip) {
     const std::size_t clips = look.after["clip"].size();
     return clips == 0 ? "no clips" : with_count(std::int64_t(clips), "clip");
+  }
+  if (look.kind == EventKind::measure) {
+    const std::size_t before = look.before["measure"].size(), after = look.after["measure"].size();
+    return after > before ? measure_text(look.after["measure"][after - 1])
+                          : with_count(std::int64_t(before - after), "measure") + " taken away";
   }
   const Value& preset = look.after["preset"];
   return preset.is_text() && preset != "" ? "look " + preset.text() : "look of its own";

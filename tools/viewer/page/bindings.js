@@ -41,7 +41,8 @@ export const kBindings = [
   {group: 'Look', action: 'projection', keys: ['5'], where: 'any', text: 'Perspective or orthographic'},
   {group: 'Look', action: 'maximise', keys: ['Ctrl+Enter'], where: 'any', text: 'Maximise the view, or show all four (also double click)'},
   {group: 'Look', action: 'measure', keys: ['m'], where: 'any', text: 'Measure a distance: drag, or click twice'},
-  {group: 'Look', action: 'clear-measures', keys: ['Shift+M'], where: 'any', text: 'Remove the measures'},
+  {group: 'Look', action: 'angle', keys: ['n'], where: 'any', text: 'Measure an angle: three clicks, its corner second'},
+  {group: 'Look', action: 'clear-measures', keys: ['Shift+M'], where: 'any', text: 'Take all measures away'},
 
   {group: 'View in space', action: 'turn-left', keys: ['ArrowLeft'], where: 'space', text: 'Turn to the left by 5 degrees'},
   {group: 'View in space', action: 'turn-right', keys: ['ArrowRight'], where: 'space', text: 'Turn to the right'},

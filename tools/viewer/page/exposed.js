@@ -19,7 +19,6 @@ export function exposed(app) {
     /// Values under the pointer, where on the page that was asked, and milliseconds from events to answers.
     get pointer() { return copy(app.pointerValues.told); },
     get curtain() { return copy(app.curtain.told()); },
-    get measures() { return copy(tools.measures); },
     get settings() { return copy(app.settings); },
     /// Sends what changes nothing and is shown in slices after all that was sent before; its number.
     barrier() { return session.post('slices', {}); },

@@ -1,13 +1,12 @@
-// Lines drawn in a view: a cut swept from the line into the tissue, and a measure between two places.
+// Lines drawn in a view: a cut swept from the line into the tissue.
 
 import {short, svg} from './elements.js';
-import {measureMarks} from './marks.js';
 import {simplified, strokeLength} from './strokes.js';
-import {add, distance, minus} from './vectors.js';
+import {add, minus} from './vectors.js';
 
 const kMostPoints = 32, kClickPixels = 5;
 
-class LineStroke {
+export class LineStroke {
   constructor(tools, view) {
     Object.assign(this, {tools, view, app: tools.app, session: tools.app.session});
     this.points = [];  // pixels of the picture
@@ -108,52 +107,4 @@ export class CutStroke extends LineStroke {
       return svg('circle', {class: 'cut-point', cx, cy, r: 3});
     })];
   }
-}
-
-export class MeasureStroke extends LineStroke {
-  press({x, y}) {
-    if (this.from) return this.finish(x, y);
-    this.begin = [x, y];
-    this.finding = this.placeAt(x, y).then((place) => {
-      this.from = place;
-      if (!place) this.app.say('There is nothing to measure from here');
-      if (!place && !this.isOver) this.end();
-    });
-  }
-  move({x, y}) {
-    if (!this.from) return;
-    this.to = this.view.placeBeside(this.from, ...this.view.toPixels(x, y));
-    this.view.refresh();
-  }
-  async lift({x, y}) {
-    if (Math.hypot(x - this.begin[0], y - this.begin[1]) < kClickPixels) return;
-    await this.finding;
-    if (this.from) this.finish(x, y);
-  }
-  keep() {
-    if (this.from && this.to) this.done(this.to);
-    else this.cancel();
-  }
-  async finish(x, y) {
-    const beside = this.view.placeBeside(this.from, ...this.view.toPixels(x, y));
-    this.done(await this.placeAt(x, y) ?? beside);
-  }
-  done(to) {
-    if (this.isOver) return;
-    const text = `${short(distance(this.from, to), 4)} mm`;
-    this.tools.measures.push({from: this.from, to, text});
-    this.app.say(text);
-    this.end();
-    this.session.tell('measures');
-  }
-  async placeAt(x, y) {
-    const at = this.view.toPixels(x, y);
-    if (this.view.name !== '3d') return this.view.plane.lpsOf(...at);
-    try {
-      return (await this.pick(at, this.app.curtain.keysAt(this.view, x)))?.lps ?? null;
-    } catch {
-      return null;
-    }
-  }
-  marks() { return this.from && this.to ? measureMarks(this.view, this.from, this.to) : []; }
 }

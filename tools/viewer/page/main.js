@@ -10,6 +10,8 @@ import {Toolbar} from './toolbar.js';
 import {Help, listenToKeys} from './keyboard.js';
 import {ProgressBar} from './progress.js';
 import {Files} from './panels/file_dialogs.js';
+import {Dropped} from './dropped.js';
+import {Embedded} from './embedded.js';
 import {DeformPanel, strokeText} from './panels/deform_panel.js';
 import {LookPanel} from './panels/look_panel.js';
 import {MaterialPanel} from './panels/material_panel.js';
@@ -24,6 +26,7 @@ import {LeftSession} from './left_session.js';
 class App {
   constructor() {
     const {token} = partsOf(location.hash);
+    this.token = token;
     const socket = new URL('socket', location.href);  // beside the page, wherever a proxy shows it
     socket.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
     this.session = new Session(socket.href, token);
@@ -39,7 +42,8 @@ class App {
     this.active = this.view('3d');
     this.hovered = null;
     this.files = new Files(this);
-    this.progress = new ProgressBar(this.session);
+    this.dropped = new Dropped(this);
+    this.progress = new ProgressBar(this.session, this.dropped);
     this.help = new Help();
     const panel = (id) => document.getElementById(id);
     new LookPanel(this, panel('panel-look'));
@@ -50,6 +54,7 @@ class App {
     this.toolbar = new Toolbar(this);
     new LeftSession(this);
     this.link = new ViewLink(this);
+    this.embedded = new Embedded(this);
     listenToKeys(this);
     this.session.on('connection', (state) => this.connectionChanged(state));
     this.session.on('scene', () => {
@@ -172,13 +177,9 @@ class App {
       'relax': () => document.getElementById('relax').click(),
       'let-go': () => changes('release', {all: true}),
       'grab': () => this.tools.start('grab'), 'anchor': () => this.tools.start('anchor'),
-      'cut': () => this.tools.start('cut'), 'measure': () => this.tools.start('measure'),
+      'cut': () => this.tools.start('cut'), 'measure': () => this.tools.start('measure'), 'angle': () => this.tools.start('angle'),
       'window-level': () => this.tools.toggle('window-level'),
-      'clear-measures': () => {
-        this.tools.measures = [];
-        session.tell('measures');
-        this.refreshViews();
-      },
+      'clear-measures': () => session.scene?.measures.length && changes('measure', {all: true}),
       'curtain': () => this.curtain.toggle(), 'blink': () => event.repeat || this.curtain.blink(),
       'deformed': () => this.showDeformed(!(session.scene?.deformed ?? true)),
       'reset-view': () => view.reset(event.timeStamp), 'projection': () => space.toggleProjection(event.timeStamp),

@@ -5,6 +5,7 @@ import {heightAtTarget, kSides, sideLetters} from './camera.js';
 import {anchorMarks, cutMarks} from './cut_marks.js';
 import {svg, short} from './elements.js';
 import {scaleBar} from './geometry.js';
+import {allMeasures} from './measures.js';
 import {distance, dot, minus, times} from './vectors.js';
 
 const line = (cls, [x1, y1], [x2, y2]) => svg('line', {class: cls, x1, y1, x2, y2});
@@ -18,7 +19,7 @@ export function drawMarks(view) {
   const scene = view.session.scene;
   const all = [];
   if (scene && view.frame && view.directions()) {
-    all.push(...letters(view), ...bar(view), ...crosshair(view), ...cutMarks(view), ...anchorMarks(view, (lps, mm) => isNear(view, lps, mm)), ...handles(view), ...measures(view),
+    all.push(...letters(view), ...bar(view), ...crosshair(view), ...cutMarks(view), ...anchorMarks(view, (lps, mm) => isNear(view, lps, mm)), ...handles(view), ...allMeasures(view, (lps) => isNear(view, lps)),
              ...view.app.tools.marks(view));
     all.push(...legend(view));
     if (view.name === '3d') all.push(cube(view));
@@ -80,22 +81,6 @@ function handles(view) {
     return [rest && distance(handle.lps, handle.rest_lps) > 0.01 ? line('way', view.toCss(rest), [x, y]) : null,
             svg('circle', {class: 'handle', cx: x, cy: y, r: 5}), text('handle-text', x + 8, y - 6, i + 1, 'start')];
   });
-}
-
-function measures(view) {
-  return view.app.tools.measures.flatMap(({from, to}) => {
-    if (!isNear(view, from) || !isNear(view, to)) return [];
-    return measureMarks(view, from, to);
-  });
-}
-
-export function measureMarks(view, from, to) {
-  const [a, b] = [view.pixelOf(from), view.pixelOf(to)];
-  if (!a || !b) return [];
-  const [[x1, y1], [x2, y2]] = [view.toCss(a), view.toCss(b)];
-  return [line('measure', [x1, y1], [x2, y2]), svg('circle', {class: 'measure-end', cx: x1, cy: y1, r: 3}),
-          svg('circle', {class: 'measure-end', cx: x2, cy: y2, r: 3}),
-          text('measure-text', (x1 + x2) / 2, (y1 + y2) / 2 - 8, `${short(distance(from, to), 4)} mm`)];
 }
 
 const kCubeHalf = 21, kCubeMargin = 40;

@@ -5,8 +5,9 @@ const kQuietMs = 1000, kTickMs = 250;
 const kLeastPart = 0.03;  // of which the rest can be told
 
 export class ProgressBar {
-  constructor(session) {
-    this.session = session;
+  /// `sending`: what is on its way from the page, which its button ends, too.
+  constructor(session, sending) {
+    Object.assign(this, {session, sending});
     this.bar = document.getElementById('progress');
     this.what = document.getElementById('progress-what');
     this.meter = document.getElementById('progress-part');
@@ -19,7 +20,8 @@ export class ProgressBar {
   /// Ends what runs and what waits behind it; whether there is anything.
   cancel() {
     if (!this.isBusy) return false;
-    this.session.ask('cancel', true).catch(() => {});
+    if (this.sending.isBusy) this.sending.cancel();
+    else this.session.ask('cancel', true).catch(() => {});
     return true;
   }
 

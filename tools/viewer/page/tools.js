@@ -1,30 +1,30 @@
-// Tools that the pointer or a key starts: grab (grab_stroke.js), anchor, cut along a line, measure. At
+// Tools that the pointer or a key starts: grab (grab_stroke.js), anchor, cut along a line, measure (measures.js). At
 // most one stroke is under way; it takes the pointer until it ends.
 
 import {GrabStroke} from './grab_stroke.js';
-import {CutStroke, MeasureStroke} from './line_strokes.js';
+import {CutStroke} from './line_strokes.js';
+import {MeasureStroke} from './measures.js';
 import {svg} from './elements.js';
 
 export const kTools = [
   ['none', 'Turn and cross-hair', ''], ['grab', 'Grab', 'G'], ['anchor', 'Anchor', 'A'], ['cut', 'Cut', 'K'],
-  ['measure', 'Measure', 'M'], ['window-level', 'Window and level', 'W']];
+  ['measure', 'Measure', 'M'], ['angle', 'Angle', 'N'], ['window-level', 'Window and level', 'W']];
 
 const kHints = {
   none: 'Left drag turns, in slices it leads the cross-hair', grab: 'Grab: drag the tissue', anchor: 'Anchor: click the tissue that is to stay',
   cut: 'Cut: draw a line, or click point by point and press Enter', measure: 'Measure: drag, or click twice',
+  angle: 'Angle: click three times, its corner second; or drag its first side and click',
   'window-level': 'Window and level: drag over a slice'};
 
-const kStrokes = {grab: GrabStroke, cut: CutStroke, measure: MeasureStroke};
+const kStrokes = {grab: GrabStroke, cut: CutStroke, measure: MeasureStroke, angle: MeasureStroke};
 
 export class Tools {
   constructor(app) {
     this.app = app;
     this.name = 'none';
     this.stroke = null;
-    this.measures = [];
     app.session.on('opened', () => {
       this.stroke?.end();
-      this.measures = [];
       this.select('none');
     });
     app.session.on('scene', () => this.stroke?.sceneChanged?.());
@@ -145,7 +145,7 @@ export class Tools {
     return true;
   }
   doubleClick() {
-    if (!this.stroke) return ['cut', 'measure', 'anchor', 'grab'].includes(this.name);
+    if (!this.stroke) return ['cut', 'measure', 'angle', 'anchor', 'grab'].includes(this.name);
     this.stroke.keep();
     return true;
   }

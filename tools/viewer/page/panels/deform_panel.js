@@ -2,6 +2,7 @@
 
 import {button, checkbox, element, field, leadText, number, section, select, show} from '../elements.js';
 import {iconButton} from '../icons.js';
+import {MeasureList} from '../measures.js';
 import {OptionsForm} from './options_form.js';
 
 /// What a handle or anchor takes hold of.
@@ -26,13 +27,10 @@ export class DeformPanel {
     Object.assign(this, {app, session: app.session, lists: {}});
     root.append(this.toolSection(), this.modelSection(),
                 this.listSection('Handles', 'handles', true), this.listSection('Anchors', 'anchors', true),
-                this.listSection('Cuts', 'cuts', false), this.historySection());
+                this.listSection('Cuts', 'cuts', false), new MeasureList(app).root, this.historySection());
     this.session.on('scene', (scene) => this.refresh(scene));
-    this.session.on('measures', () => this.refreshMeasures());
-    this.session.on('opened', () => this.refreshMeasures());
     this.session.on('connection', (state) => state !== 'lost' && this.loadOptions());
     app.onSettings(() => this.refreshSettings());
-    this.refreshMeasures();
   }
 
   async loadOptions() {
@@ -60,26 +58,15 @@ export class DeformPanel {
       return input;
     };
     this.radius = setting('radius', 0);
-    this.measures = element('ul', {class: 'list', 'aria-label': 'Measures'});
     return section('Tools', true,
       field('Handle radius', this.radius, 'mm', '0: one voxel. The wheel changes it while grabbing'),
       field('Soft edge', setting('soft', 0), 'mm', 'Tissue around the handle that follows in part'),
       field('Joint around bone', setting('joint', 0), 'mm', 'Tissue around a bone that is grabbed is parted first, wherever another bone is so near; 0: it is not'),
       checkbox('Push: tissue is moved ahead and does not stick', settings.push, (push) => { settings.push = push; }),
       field('Depth of cuts', setting('cutDepth', 0.1), 'mm', 'From the surface inwards; in slices half to each side'),
-      field('… and above the line', setting('cutAbove', 0), 'mm', 'Against the direction, to cut what is above the points'),
-      this.measures);
+      field('… and above the line', setting('cutAbove', 0), 'mm', 'Against the direction, to cut what is above the points'));
   }
   refreshSettings() { show(this.radius, this.app.settings.radius); }
-  refreshMeasures() {
-    const {tools} = this.app;
-    this.measures.replaceChildren(...tools.measures.map(({text}, i) => element('li', {}, `Measure ${i + 1}: ${text}`,
-      iconButton('remove', `Remove measure ${i + 1}`, () => {
-        tools.measures.splice(i, 1);
-        this.session.tell('measures');
-        this.app.refreshViews();
-      }))));
-  }
 
   modelSection() {
     this.model = select([['ecm', 'ChainMail (ECM)']], 'ecm', (model) => this.chooseModel(model), {id: 'model'});

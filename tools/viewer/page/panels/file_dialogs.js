@@ -8,7 +8,7 @@ import {OptionsForm} from './options_form.js';
 /// What can be saved: title, name without a better one, extensions.
 export const kSaves = {
   state: ['Save state', 'state', ['.vdb']], scene: ['Save scene', 'scene', ['.toml']],
-  journal: ['Save journal', 'journal', ['.toml']], camera: ['Save camera', 'camera', ['.toml']],
+  journal: ['Save journal', 'journal', ['.toml']], measures: ['Save measures', 'measures', ['.csv']], camera: ['Save camera', 'camera', ['.toml']],
   transfer: ['Save transfer function', 'transfer', ['.toml']],
   screenshot: ['Save picture', 'picture', ['.png']], slices: ['Save slices', 'slices', ['.png']],
   turntable: ['Save turntable', 'turn', ['.mp4', '.webm', '_%04d.png']],
@@ -179,6 +179,7 @@ export class Files {
         force: force.querySelector('input').checked, ...form.values(),
         ...(what === 'screenshot' ? {view: this.view.name} : {}),
         ...(kPictures.includes(what) ? {size: form.value('size')} : {})});
+      this.app.embedded.saved({what, ...saved});
       this.app.say(`Saved ${saved.path}, ${bytesText(saved.bytes)}`);
       this.session.addLog({level: 'note', text: `saved ${saved.path}, ${bytesText(saved.bytes)}`});
     });
