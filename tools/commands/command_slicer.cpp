@@ -41,7 +41,8 @@ Command add_slicer_module(CLI::App& program) {
       "  supple slicer-module invert --xml\n"
       "  supple slicer-module invert --field warp.h5 --output inverse.h5\n"
       "  supple slicer-module apply-points --deformation warp.h5 --points F.fcsv --output M.fcsv");
-  app->add_option("name", options->name, "deform, finite-elements, invert, apply-points, apply-mesh or apply-labels")
+  app->add_option("name", options->name,
+                  "deform, finite-elements, invert, apply-points, apply-mesh or apply-labels")
       ->required()
       ->option_text("NAME");
   app->add_flag("--xml", options->xml, "Print the description that Slicer makes a panel of");

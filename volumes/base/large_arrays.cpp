@@ -1,8 +1,8 @@
 // Large arrays in pages of 2 MiB, as numpy has them: operator new with the system told so. Voxels
 // and unknowns are read in an order that small pages make the processor look up anew at every turn.
 //
-// Memory is that of malloc(), which operator delete of libstdc++ and libc++ frees. A shared library keeps these
-// to itself (cmake/SuppleInstall.cmake), and sanitizers bring their own.
+// Memory is that of malloc(), which operator delete of libstdc++ and libc++ frees. A shared library
+// keeps these to itself (cmake/SuppleInstall.cmake), and sanitizers bring their own.
 #include <cstdlib>
 #include <new>
 

@@ -40,8 +40,8 @@ struct PointFile {
 /// number, a short line, an unknown frame, or no points at all; for markups as read_markups.
 PointFile read_point_file(const std::string& path);
 
-/// Points with the displacements that lead to those of another file, pair by pair. Throws InputError
-/// where these are not as many.
+/// Points with the displacements that lead to those of another file, pair by pair. Throws
+/// InputError where these are not as many.
 PointFile led_to(PointFile from, const PointFile& to);
 
 /// The same file with these points in place of its own, one per row: all other columns, comments
