@@ -11,14 +11,14 @@ namespace supple::python {
 namespace {
 
 using Corner = std::array<int, 3>;
-using Box = std::pair<Corner, Corner>;
+using BlockBox = std::pair<Corner, Corner>;
 
-IndexBox to_index_box(const Box& box) {
+IndexBox to_index_box(const BlockBox& box) {
   const auto& [lo, hi] = box;
   return {Vec3i(lo[2], lo[1], lo[0]), Vec3i(hi[2], hi[1], hi[0]) - Vec3i(1)};
 }
 
-Box to_box(const IndexBox& box) {
+BlockBox to_box(const IndexBox& box) {
   if (box.empty()) return {};
   return {{box.lo.z, box.lo.y, box.lo.x}, {box.hi.z + 1, box.hi.y + 1, box.hi.x + 1}};
 }
@@ -49,16 +49,16 @@ BlockOf<Vec3f> vectors_in(const VectorArray& vectors, const Corner& first) {
 struct Blocks {
   BlockWarp warp;
 
-  Box nodes_of(const Box& box) const { return to_box(warp.nodes_of(to_index_box(box))); }
+  BlockBox nodes_of(const BlockBox& box) const { return to_box(warp.nodes_of(to_index_box(box))); }
 
-  Box voxels_of(const Box& box, const VectorArray& vectors, const Corner& first) const {
+  BlockBox voxels_of(const BlockBox& box, const VectorArray& vectors, const Corner& first) const {
     const BlockOf<Vec3f> nodes = vectors_in(vectors, first);
     const py::gil_scoped_release others_run;
     return to_box(warp.voxels_of(to_index_box(box), nodes));
   }
 
   template <class T>
-  void resample_as(const Box& box, const BlockOf<Vec3f>& vectors, const py::array& source,
+  void resample_as(const BlockBox& box, const BlockOf<Vec3f>& vectors, const py::array& source,
                    const Corner& first, bool is_nearest, double fill, py::array& out) const {
     const py::array_t<T, py::array::c_style> values(source);
     const BlockOf<T> held = {box_of(values, first, "source", 1), values.data()};
@@ -71,7 +71,7 @@ struct Blocks {
     warp.resample(target, vectors, held, is_nearest, fill, first_value);
   }
 
-  void resample(const Box& box, const VectorArray& vectors, const Corner& first_node,
+  void resample(const BlockBox& box, const VectorArray& vectors, const Corner& first_node,
                 const py::array& source, const Corner& first_voxel,
                 const std::string& interpolation, double fill, py::array out) const {
     if (interpolation != "linear" && interpolation != "nearest") {

@@ -197,7 +197,7 @@ TEST_F(FaultBadInput, OutputsThatAreNoPlainFilesOrInputsAreRefusedEvenWithForce)
   arguments.back() = m_folder / "ball.nhdr";
   arguments.push_back("--force");
   const std::string header = read_text(m_folder / "ball.nhdr");
-  expect_refused(m_folder, arguments, 3, {"ball.nhdr", ".vdb"});
+  expect_refused(m_folder, arguments, 3, {"ball.nhdr", "name of an input"});
   write_text(m_folder / "scene.toml",
              "[volume]\npath = \"ball.nhdr\"\n[output]\nvolumes = [\"ball.mhd\"]\n");
   expect_refused(m_folder, {"run", m_folder / "scene.toml", "-o", m_folder.path(), "--force"}, 3,
