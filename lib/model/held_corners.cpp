@@ -120,7 +120,7 @@ void HeldCorners::say_field(const std::vector<std::size_t>& members, bool is_end
   }
 }
 
-/// What say_field() says where all is at rest: all corners stay.
+/// Says what say_field() says where all is at rest: all corners stay.
 void HeldCorners::stay(const std::vector<std::size_t>& members) {
   for (const std::size_t g : members) {
     m_grips[g].slots.for_each([&](Slot slot) {

@@ -17,7 +17,7 @@ import slicer
 from slicer.ScriptedLoadableModule import (ScriptedLoadableModule, ScriptedLoadableModuleLogic,
                                            ScriptedLoadableModuleWidget)
 
-# Of Slicer's own libraries and Python, which are not for other programs.
+# Variables for Slicer's own libraries and Python, which are not for other programs.
 OF_SLICER = ("LD_LIBRARY_PATH", "PYTHONHOME", "PYTHONPATH", "QT_PLUGIN_PATH")
 START_SECONDS = 60
 STOP_SECONDS = 10

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kLargeBytes = std::size_t(4) << 20;
 
-/// What `allocate` gives, as operator new has to: a new_handler may find more.
+/// Returns what `allocate` gives, as operator new has to: a new_handler may find more.
 template <class Allocate>
 void* large_pages_of(std::size_t bytes, Allocate&& allocate) {
   for (;;) {

@@ -105,7 +105,7 @@ bool has_own_ways(const PlacedHandle& handle) {
   return handle.points && handle.points->has_displacements;
 }
 
-/// Where points go, pair by pair.
+/// Reads where points go, pair by pair.
 void read_targets(Table& table, PlacedHandle& handle) {
   const std::optional<PointFile> to = read_points(table, "to");
   if (!to) return;

@@ -36,7 +36,7 @@ function besideCorner([a, corner, b]) {
           'text-anchor': out[0] / far < -0.4 ? 'end' : out[0] / far > 0.4 ? 'start' : 'middle'};
 }
 
-/// Of places in LPS mm; none where one is not seen.
+/// Marks of places in LPS mm; none where one is not seen.
 export function measureMarks(view, places, words) {
   const pixels = places.map((place) => view.pixelOf(place));
   if (!pixels.every(Boolean)) return [];
@@ -105,7 +105,7 @@ export class MeasureStroke extends LineStroke {
     this.app.say(textOf(valueOf(places), this.count === 2 ? 'mm' : 'degrees'));
     this.end();
   }
-  /// Where the place is and was at rest; in slices outside of the volume it lies in the plane.
+  /// The place as it is and was at rest; in slices outside of the volume it lies in the plane.
   async placeAt(x, y) {
     const at = this.view.toPixels(x, y);
     try {

@@ -42,7 +42,7 @@ class UnitMeasures : public UnitReplay {
   }
 };
 
-/// In LPS mm of the ball: voxels of 1 x 1 x 1.5 mm.
+/// LPS mm of the ball: voxels of 1 x 1 x 1.5 mm.
 const std::string kDistance = measure("[[12, 12, 12], [15, 16, 24]]", "name = \"axis, long\"");
 const std::string kAngle = measure("[[16, 12, 18], [12, 12, 18], [12, 17, 21]]");
 

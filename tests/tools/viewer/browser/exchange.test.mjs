@@ -55,19 +55,6 @@ const partOf = async (name, [fx, fy]) => {
 const measures = async () => (await view.get('scene')).measures;
 const tableOf = (text) => text.trim().split('\n').map((line) => line.split(','));
 
-async function drag([x, y], [dx, dy]) {
-  await page.move(x, y);
-  await page.key('g');
-  await view.until('the handle is there', '$scene.grab');
-  for (let i = 1; i <= 6; ++i) {
-    await page.move(x + dx * i / 6, y + dy * i / 6);
-    await sleep(20);
-  }
-  await page.key('Enter');
-  await view.until('the drag is carried out', '$carriedOut >= $sent && !$scene.grab', 30);
-  await view.settled(60);
-}
-
 step('distances and angles stay, follow tissue, are taken back and become a table', async () => {
   await page.eval(`document.getElementById('tab-deform').click()`);
   const [x, y] = await partOf('3d', [0.5, 0.5]);
@@ -88,7 +75,7 @@ step('distances and angles stay, follow tissue, are taken back and become a tabl
   const at = await page.eval(`supple.place('3d', ${JSON.stringify(wide.lps[1])})`);
   assert.ok(Math.hypot(at[0] - places[1][0], at[1] - places[1][1]) < 1, 'where it was clicked');
 
-  await drag([x, y], [34, 20]);
+  await view.drag([x, y], [34, 20]);
   const [longer, wider] = await measures();
   const [handle] = (await view.get('scene')).handles;
   const way = minus(handle.lps, handle.rest_lps);

@@ -67,19 +67,6 @@ function densityAt(index) {
   return sum;
 }
 
-async function drag([x, y], [dx, dy]) {
-  await page.move(x, y);
-  await page.key('g');
-  await view.until('the handle is there', '$scene.grab');
-  for (let i = 1; i <= 6; ++i) {
-    await page.move(x + dx * i / 6, y + dy * i / 6);
-    await sleep(20);
-  }
-  await page.key('Enter');
-  await view.until('the drag is carried out', '$carriedOut >= $sent && !$scene.grab', 30);
-  await view.settled(60);
-}
-
 step('values under the pointer are those of the files, in all views', async () => {
   for (const name of kViews) {
     for (const part of [[0.5, 0.5], [0.42, 0.55], [0.56, 0.45]]) {
@@ -109,7 +96,7 @@ step('tissue tells how far it has moved, its change of volume and, by finite ele
   await page.eval(`(() => { for (const [name, value] of [['radius', 20], ['soft', 0]]) {
     const input = document.getElementById('setting-' + name);
     input.value = value; input.dispatchEvent(new Event('change')); } })()`);
-  await drag([x, y], [30, 12]);
+  await view.drag([x, y], [30, 12]);
   const [handle] = (await view.get('scene')).handles;
   const way = minus(handle.lps, handle.rest_lps);
   assert.ok(length(way) > 3);
@@ -129,7 +116,7 @@ step('tissue tells how far it has moved, its change of volume and, by finite ele
   await page.move(...await partOf('3d', [0.5, 0.3]));
   await page.key('a');
   await view.until('tissue is fixed', '$scene.anchors.length === 1');
-  await drag([x, y], [24, 0]);
+  await view.drag([x, y], [24, 0]);
   const stressed = await valuesAt(Math.round(x + 50), Math.round(y));
   assert.ok(stressed.hit?.stress_kpa > 0 && stressed.hit.det_f > 0.5, JSON.stringify(stressed.hit));
   assert.match(stressed.lines[4], /^det F [\d.]+, [\d.e-]+ kPa$/);
@@ -204,7 +191,7 @@ step('the slider shows a part of the displacement, or more, and leaves the body 
   await view.settled(60);
   await setAmount(100);
   await view.settled(60);
-  await drag(await partOf('3d', [0.5, 0.5]), [30, 12]);
+  await view.drag(await partOf('3d', [0.5, 0.5]), [30, 12]);
   const {handles: [handle], undo} = await view.get('scene');
   const way = minus(handle.lps, handle.rest_lps);
   const whole = await settledPictures();

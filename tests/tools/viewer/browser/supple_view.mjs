@@ -91,6 +91,20 @@ export class View {
   middle(name = '3d') { return this.page.middle(`#view-${name} .picture`); }
   undoTexts() { return this.page.eval('supple.scene.undo.map(({kind}) => kind)'); }
 
+  /// Grabs what is at a place of the page, leads it and keeps it.
+  async drag([x, y], [dx, dy]) {
+    await this.page.move(x, y);
+    await this.page.key('g');
+    await this.until('the handle is there', '$scene.grab');
+    for (let i = 1; i <= 6; ++i) {
+      await this.page.move(x + dx * i / 6, y + dy * i / 6);
+      await sleep(20);
+    }
+    await this.page.key('Enter');
+    await this.until('the drag is carried out', '$carriedOut >= $sent && !$scene.grab', 30);
+    await this.settled(60);
+  }
+
   /// Saves by the menu and its dialog, as a person does.
   async save(what, name, {folder, force = false, options = {}} = {}) {
     const {page} = this;
