@@ -19,7 +19,7 @@ SUPPLE_PACKAGES=(
   python3-dev pybind11-dev python3-numpy)
 SUPPLE_JUDGES=(
   pkg-config lintian zsh fish elastix plastimatch teem-apps python3-openvdb python3-nibabel python3-scipy mypy parallel snakemake python3-tifffile
-  python3-h5py python3-dask python3-distributed python3-zarr python3-pydicom python3 python3-vtk9 libtiff-tools dcmtk libgdcm-tools
+  python3-h5py python3-dask python3-distributed python3-zarr python3-pydicom dicom3tools python3 python3-vtk9 libtiff-tools dcmtk libgdcm-tools
   libinsighttoolkit5-dev mricron-data openexr openimageio-tools python3-meshio
   calculix-ccx python3-dolfinx chromium nodejs xvfb
   python3-pip patchelf python3-matplotlib python3-sphinx)

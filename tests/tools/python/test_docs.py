@@ -17,8 +17,15 @@ from cases import AFFINE, head
 
 ROOT = os.environ["SUPPLE_SOURCE_DIR"]
 PAGES = ["README.md", "docs/python.md"]
+MODULES = [(supple, ""), (supple.augment, "augment.")]
 if importlib.util.find_spec("dask") and importlib.util.find_spec("zarr"):
     PAGES.append("docs/big_arrays.md")
+    import supple.dask
+    import supple.ome
+    MODULES += [(supple.dask, "dask."), (supple.ome, "ome.")]
+if importlib.util.find_spec("pydicom"):
+    import supple.dicom
+    MODULES.append((supple.dicom, "dicom."))
 
 
 class Pages(unittest.TestCase):
@@ -68,7 +75,7 @@ class Pages(unittest.TestCase):
 
 def public_names():
     """Names below supple, with what they stand for; of classes the members, too."""
-    for module, prefix in ((supple, ""), (supple.augment, "augment.")):
+    for module, prefix in MODULES:
         for name in module.__all__:
             thing = getattr(module, name)
             if inspect.ismodule(thing):

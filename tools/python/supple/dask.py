@@ -48,7 +48,8 @@ def warp(volume: Any, field: Any, *, affine: Any = None, field_affine: Any = Non
     4 x 4, from (i, j, k, 1) to LPS mm, where these do not bring their own. grid: of the result, by
     default the volume's. box: three slices, or numbers, of that grid. chunks: of the result when it
     is stored, by default the volume's. fill: the value of places outside of the volume or the
-    field. Raises InputError for what does not fit.
+    field. interpolation: "linear" or, for labels, "nearest". Raises InputError for what does not
+    fit.
     """
     return _blocks(volume, affine, field, field_affine, grid, box, chunks, interpolation, fill)
 
@@ -56,14 +57,21 @@ def warp(volume: Any, field: Any, *, affine: Any = None, field_affine: Any = Non
 def resample(volume: Any, grid: Any, *, affine: Any = None, box: Any = None,
              chunks: Optional[Sequence[int]] = None, interpolation: str = "linear",
              fill: float = 0) -> da.Array:
-    """The volume on another Grid, or that of a volume, as a dask array; arguments as of warp()."""
+    """The volume on another grid, a Grid or that of a volume, as a dask array [k, j, i].
+
+    affine, box, chunks, interpolation and fill are those of warp(). Raises InputError likewise.
+    """
     return _blocks(volume, affine, None, None, grid, box, chunks, interpolation, fill)
 
 
 def metrics(field: Any, *, affine: Any = None, direction: str = "resample",
             block: int = 128) -> Dict[str, da.Array]:
-    """Maps of supple.metrics() of a field [k, j, i, 3] in mm LPS, as dask arrays by name: blocks
-    with a halo of two voxels, which makes them those of the whole field."""
+    """Maps of supple.metrics() of a field [k, j, i, 3] in mm LPS, as dask arrays by name.
+
+    Blocks of `block` voxels along each axis have a halo of two, which makes them those of the whole
+    field. affine: 4 x 4, from (i, j, k, 1) to LPS mm, where the field does not bring its own.
+    direction: "resample" or "material". Raises InputError for what is no field.
+    """
     vectors, affine = _with_affine(field, affine, "field_affine", 4)
     name = "supple-metrics-" + _digest("metrics", _identity(vectors), affine, direction, block)
     layers: Dict[str, Any] = {name: {name: _Measure(vectors, affine, direction)}}
@@ -87,8 +95,9 @@ def metrics(field: Any, *, affine: Any = None, direction: str = "resample",
 def store(array: da.Array, path: Any, *, chunks: Optional[Sequence[int]] = None,
           compressor: Any = "default", resume: bool = False, memory: float = 1.6e8,
           compute: bool = True) -> Any:
-    """Writes a dask array to a zarr array (version 2) by the scheduler that dask has.
+    """Writes a dask array to a zarr array (version 2) at a path, by the scheduler that dask has.
 
+    compressor: of numcodecs; by default blosc with lz4, None: none.
     resume: chunks that an earlier call of the same task has written stay, and only blocks that lack
     one are computed. memory: bytes of the volume that a run of warp() or resample() may keep from
     block to block; more means fewer chunks that are decoded twice. compute: False gives the Delayed

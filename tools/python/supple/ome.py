@@ -50,8 +50,8 @@ class Level:
 
 def open(path: Any, level: int = 0, *, axes: str = "LPS",  # noqa: A001
          index: Sequence[int] = ()) -> Level:
-    """A level of an image of version 0.4. index: frame and channel of an image that has such axes.
-    Raises InputError for what is none."""
+    """A level of the image of version 0.4 at a path. axes: what x, y and z are, such as "RAS".
+    index: frame and channel of an image that has such axes. Raises InputError for what is none."""
     path = os.fspath(path)
     about = _json(os.path.join(path, ".zattrs")).get("multiscales", [{}])[0]
     if "datasets" not in about or "axes" not in about:
@@ -73,10 +73,13 @@ def open(path: Any, level: int = 0, *, axes: str = "LPS",  # noqa: A001
 
 def write(path: Any, array: Any, affine: Any = None, *, levels: Optional[int] = None,
           labels: bool = False, axes: str = "LPS", name: str = "", **options: Any) -> Dict:
-    """Writes an image of version 0.4 with coarser levels, each half of the one before: means, or
-    with `labels` every second voxel. levels: by default until none is over 128 voxels wide.
-    options: those of supple.dask.store(), whose report of the first level is returned. Raises
-    InputError for an affine whose axes are not those of the image."""
+    """Writes an array [k, j, i] to a path as an image of version 0.4, by a name, with coarser
+    levels, each half of the one before: means, or with `labels` every second voxel.
+
+    axes: what x, y and z are to be; affine: as of supple.dask.warp(). levels: by default until none
+    is over 128 voxels wide. options: those of supple.dask.store(), whose report of the first level
+    is returned. Raises InputError for an affine whose axes are not those of the image.
+    """
     array, affine = _with_affine(array, affine, "affine", 3)
     scale, origin = _scale_of(affine, axes)
     path, shape, datasets = os.fspath(path), array.shape, []
@@ -113,8 +116,8 @@ def write(path: Any, array: Any, affine: Any = None, *, levels: Optional[int] = 
 
 
 def read_field(path: Any, *, axes: str = "LPS") -> Level:
-    """A displacement field of version 0.6, [k, j, i, 3] in mm LPS, chunk by chunk as it is read.
-    Raises InputError for what is none."""
+    """The displacement field of version 0.6 at a path, [k, j, i, 3] in mm LPS, chunk by chunk as it
+    is read. axes: what x, y and z are. Raises InputError for what is none."""
     path = os.fspath(path)
     about = _json(os.path.join(path, "zarr.json")).get("attributes", {}).get("ome", {})
     about = about.get("multiscales", [{}])[0]
@@ -136,9 +139,13 @@ def read_field(path: Any, *, axes: str = "LPS") -> Level:
 
 def write_field(path: Any, field: Any, affine: Any = None, *, axes: str = "LPS",
                 chunk: int = 64, codec: str = "zstd") -> None:
-    """Writes vectors [k, j, i, 3] in mm LPS, or a Warp, as a displacement field of version 0.6.
-    codec: "zstd", "gzip" or "none". Raises InputError for an affine whose axes are not those of the
-    image, UsageError where something is in the way."""
+    """Writes a field [k, j, i, 3] in mm LPS, or a Warp, to a path as a displacement field of version
+    0.6.
+
+    affine, axes: as of write(). chunk: voxels along each axis of a chunk. codec: "zstd", "gzip" or
+    "none". Raises InputError for an affine whose axes are not those of the image, UsageError where
+    something is in the way.
+    """
     field, affine = _with_affine(field, affine, "affine", 4)
     scale, origin = _scale_of(affine, axes)
     codecs: Dict[str, List] = {"none": [], "gzip": [{"level": 5}],
