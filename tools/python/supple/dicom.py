@@ -149,8 +149,11 @@ def frames(path: _Path) -> List[str]:
 
 def read(path: _Path, number: int = 0) -> Warp:
     """A registration of the object at a path as a warp of resample direction on its own grid, with
-    the matrices before and after it. number: which one, from 0. Raises InputError for another object, a grid
-    whose length is wrong, and vectors that are not finite."""
+    the matrices before and after it.
+
+    number: which one, from 0. Raises InputError for another object, a grid whose length is wrong,
+    and vectors that are not finite.
+    """
     items = _with_grid(path)
     if not 0 <= number < len(items):
         raise InputError(f"{path}: number: found {number}, expected 0 to {len(items) - 1}",

@@ -139,8 +139,7 @@ def read_field(path: Any, *, axes: str = "LPS") -> Level:
 
 def write_field(path: Any, field: Any, affine: Any = None, *, axes: str = "LPS",
                 chunk: int = 64, codec: str = "zstd") -> None:
-    """Writes a field [k, j, i, 3] in mm LPS, or a Warp, to a path as a displacement field of version
-    0.6.
+    """Writes a field [k, j, i, 3] in mm LPS, or a Warp, to a path as a displacement field of 0.6.
 
     affine, axes: as of write(). chunk: voxels along each axis of a chunk. codec: "zstd", "gzip" or
     "none". Raises InputError for an affine whose axes are not those of the image, UsageError where
