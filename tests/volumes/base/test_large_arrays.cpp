@@ -1,11 +1,17 @@
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <new>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+
+#include "tests/support/sanitized.h"
+
+using namespace supple::test;
 
 namespace {
 
@@ -23,22 +29,24 @@ long large_pages_kb(const void* place) {
   return -1;
 }
 
+/// True where the system gives large pages to who asks for them, and has some left.
 bool has_large_pages() {
-  std::string choices;
-  std::getline(std::ifstream("/sys/kernel/mm/transparent_hugepage/enabled"), choices);
-  return !choices.empty() && choices.find("[never]") == std::string::npos;
+  constexpr std::size_t kBytes = std::size_t(32) << 20;
+  void* const pages =
+      ::mmap(nullptr, kBytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (pages == MAP_FAILED) return false;
+  (void)::madvise(pages, kBytes, MADV_HUGEPAGE);
+  std::memset(pages, 1, kBytes);
+  const bool has = large_pages_kb(static_cast<char*>(pages) + kBytes / 2) >= 16 << 10;
+  ::munmap(pages, kBytes);
+  return has;
 }
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kIsSanitized = true;
-#else
-constexpr bool kIsSanitized = false;
-#endif
 
 }  // namespace
 
 TEST(UnitLargeArrays, LieInLargePages) {
-  if (kIsSanitized || !has_large_pages()) GTEST_SKIP() << "no pages of 2 MiB here";
+  LEFT_OUT_WHEN_SANITIZED();
+  if (kSanitized || !has_large_pages()) GTEST_SKIP() << "no pages of 2 MiB here";
   const std::vector<double> values(std::size_t(8) << 20, 1.0);  // more than goes into the heap
   EXPECT_GE(large_pages_kb(values.data() + values.size() / 2), 32 << 10);
   struct alignas(64) Lanes {
@@ -50,6 +58,8 @@ TEST(UnitLargeArrays, LieInLargePages) {
 }
 
 TEST(UnitLargeArrays, MoreThanThereIsIsRefused) {
+  LEFT_OUT_WHEN_SANITIZED();
+  if (kSanitized) GTEST_SKIP() << "the sanitizer ends the program";
   volatile std::size_t count = std::size_t(1) << 58;
   EXPECT_THROW(std::vector<double>{}.reserve(count), std::bad_alloc);
 }
