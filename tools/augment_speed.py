@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Random samples of supple.augment beside elastic fields of scipy and torch (docs/benchmarks.md).
+"""Random samples of supple.augment beside elastic fields of scipy and torch, as a table of Markdown
+(docs/benchmarks/augment.md).
 
     PYTHONPATH=build/release/python /usr/bin/python3 tools/augment_speed.py VOLUME
-        [--material ct-head] [--spacing MM] [--count N] [--write docs/benchmarks.md]
+        [--material ct-head] [--spacing MM] [--count N]
 
 A sample is image, labels (bone and soft tissue), warp and inverse where there is one; making the
 field counts. Peers have a field of splines through 7 control points along each axis, each up to
 7.5 mm, as the elastic transforms of TorchIO and MONAI have, and no inverse. Then, without the
 clock: cells that fold, the least det F, and how far bone (300 and more, joined by faces) is from
-the rigid motion of its piece. Times are medians; the mean stands beside. `--write`
-puts the table between the marks of that page.
+the rigid motion of its piece. Times are medians; the mean stands beside.
 """
 import argparse
 import os
@@ -20,7 +20,6 @@ from scipy import ndimage
 
 import supple
 
-BEGIN, END = "<!-- samples: tools/augment_speed.py --write -->", "<!-- samples end -->"
 CONTROL_POINTS, CONTROL_MM = 7, 7.5
 
 
@@ -80,7 +79,6 @@ def main():
     parser.add_argument("--material", default="ct-head")
     parser.add_argument("--spacing", type=float, default=0)
     parser.add_argument("--count", type=int, default=12)
-    parser.add_argument("--write")
     args = parser.parse_args()
     volume = supple.open(args.volume)
     if args.spacing:
@@ -114,8 +112,8 @@ def main():
     except ImportError:
         print("torch is not installed")
     size = " × ".join(map(str, image.shape[::-1]))
-    lines = [f"| samples of {size} voxels | processor s | elapsed s | folded cells | least det F "
-             "| bone off by, voxels |", "|---|---|---|---|---|---|"]
+    print(f"| samples of {size} voxels | processor s | elapsed s | folded cells | least det F "
+          "| bone off by, voxels |\n|---|---|---|---|---|---|", flush=True)
     for name, make, judge in rows:
         make(0)
         used, elapsed, judged = [], [], []
@@ -126,18 +124,9 @@ def main():
             elapsed.append(time.monotonic() - begin[1])
             judged.append(judge(sample))
         folded, det, off = (np.array(column) for column in zip(*judged))
-        lines.append(f"| {name} | {np.median(used):.2f} ({np.mean(used):.2f}) "
-                     f"| {np.median(elapsed):.2f} ({np.mean(elapsed):.2f}) "
-                     f"| {folded.sum()} | {det.min():.3f} | {off.max():.2g} |")
-        print(lines[-1], flush=True)
-    table = "\n".join(lines)
-    print(table)
-    if args.write:
-        with open(args.write, encoding="utf-8") as file:
-            before, _, rest = file.read().partition(BEGIN)
-        with open(args.write, "w", encoding="utf-8") as file:
-            file.write(before + BEGIN + "\n\n" + table + "\n\n" + END + rest.partition(END)[2])
-
+        print(f"| {name} | {np.median(used):.2f} ({np.mean(used):.2f}) "
+              f"| {np.median(elapsed):.2f} ({np.mean(elapsed):.2f}) "
+              f"| {folded.sum()} | {det.min():.3f} | {off.max():.2g} |", flush=True)
 
 if __name__ == "__main__":
     main()

@@ -83,7 +83,7 @@ def main():
     source, warp, result = (os.path.join(args.folder, name) for name in ("v", "w", "o"))
     field = made(warp, (*nodes, 3), "f4", (64, 64, 64, 3), waves)
     print("| chunks | workers | Mvoxel/s elapsed | Mvoxel/s of two cores by processor time "
-          "| reading, warping, writing, ns per voxel | decoded per chunk | MB of all workers "
+          "| reading, warping, writing, ns per voxel | decoded per chunk | MiB of all workers "
           "| digest |\n"
           "|---|---|---|---|---|---|---|---|", flush=True)
     for text in args.chunks:

@@ -60,6 +60,7 @@ void check(const Drag& drag, const std::string& place, const DeformableMesh& mes
           {given.scale.has_value(), "scale"},
           {given.scale_axes.has_value(), "scale_axes"},
           {drag.soft_mm > 0, "soft"},
+          {given.points && given.radius_mm, "radius"},
           {drag.spares_fixed, "spare_fixed"},
           {drag.slides, "slide"}},
          place, mesh, "handles that only shift");

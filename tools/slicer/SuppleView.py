@@ -4,10 +4,12 @@ Slicer, and what is saved there as nodes of the scene.
 Slicer finds it where this folder is one of *Edit, Application Settings, Modules, Additional module
 paths*. `ViewerSession` knows nothing of Slicer.
 """
+import gzip
 import json
 import os
 import shutil
 import signal
+import struct
 import subprocess
 import tempfile
 import threading
@@ -19,6 +21,8 @@ from slicer.ScriptedLoadableModule import (ScriptedLoadableModule, ScriptedLoada
 
 # Variables for Slicer's own libraries and Python, which are not for other programs.
 OF_SLICER = ("LD_LIBRARY_PATH", "PYTHONHOME", "PYTHONPATH", "QT_PLUGIN_PATH")
+# Intents of vectors in NIfTI: displacements, and vectors.
+NIFTI_VECTORS = (1006, 1007)
 START_SECONDS = 60
 STOP_SECONDS = 10
 
@@ -97,6 +101,10 @@ def is_warp(path):
     """True for transforms, and images whose header says that they are displacements."""
     if path.endswith((".h5", ".tfm")):
         return True
+    if path.endswith((".nii", ".nii.gz")):
+        with (gzip.open if path.endswith(".gz") else open)(path, "rb") as file:
+            head = file.read(70)
+        return any(struct.unpack(f"{order}h", head[68:70])[0] in NIFTI_VECTORS for order in "<>")
     if not path.endswith((".nrrd", ".nhdr", ".mha", ".mhd")):
         return False
     with open(path, "rb") as file:

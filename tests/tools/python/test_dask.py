@@ -139,7 +139,7 @@ class Blocks(InFolder):
         clean, outside = volume(np.float32), 0
         array = warped(clean, chunks=(16, 16, 16))
         task = dict(array.dask.layers[array.name])[array.name]
-        for place, box in supple.dask._each_block(array.chunks):
+        for place, box in supple.dask.each_block(array.chunks):
             vectors, first = task.vectors(box)
             lo, hi = task.kernel.voxels_of(box, vectors, first)
             inside = supple.dask.slices(lo, hi)

@@ -135,6 +135,7 @@ class Registrations(InFolder):
                                              fixed=self.path("image.dcm")), "perpendicular"),
                  (lambda: supple.dicom.write(out, warp, fixed=self.path("no_frame.dcm")), "FrameOfReferenceUID"),
                  (lambda: supple.dicom.write(out, warp, fixed=self.path("none.dcm")), "none.dcm: file: found none"),
+                 (lambda: supple.dicom.write(out, warp, fixed=self.path("image.dcm"), label="warp"), "expected capitals"),
                  (lambda: supple.dicom.read(self.path("image.dcm")), "deformable spatial registration"),
                  (lambda: supple.dicom.read(__file__), "found no DICOM")]
         for act, words in cases:

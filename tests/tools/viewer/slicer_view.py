@@ -78,13 +78,16 @@ def main():
         page.ask(save={"what": "warp", "path": "a warp.nrrd"})
         page.ask(save={"what": "volume", "path": "moved.nrrd"})
         page.ask(save={"what": "journal", "path": "drag.toml"})
-        assert len(logic.bring(moves_volume=True)) == 2
-        assert LOADED == [("loadTransform", "a warp.nrrd"), ("loadVolume", "moved.nrrd")], LOADED
-        assert node.transform.endswith("a warp.nrrd"), node.transform
+        page.ask(save={"what": "warp", "path": "other.nii.gz"})
+        page.ask(save={"what": "volume", "path": "other_moved.nii"})
+        assert len(logic.bring(moves_volume=True)) == 4
+        assert LOADED == [("loadTransform", "a warp.nrrd"), ("loadVolume", "moved.nrrd"),
+                          ("loadTransform", "other.nii.gz"), ("loadVolume", "other_moved.nii")], LOADED
+        assert node.transform.endswith("other.nii.gz"), node.transform
         assert logic.bring() == []
         page.ask(save={"what": "volume", "path": "moved.nrrd", "force": True})
         logic.bring()
-        assert LOADED[2:] == [("loadVolume", "moved.nrrd")], "what is replaced comes again"
+        assert LOADED[4:] == [("loadVolume", "moved.nrrd")], "what is replaced comes again"
         page.close()
         process, kept = logic.session.process, logic.folder
         logic.stop()

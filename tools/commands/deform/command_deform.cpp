@@ -42,7 +42,7 @@ struct DeformOptions {
 /// files whose points have displacements, or the next --to.
 Value handle_tables(const DeformOptions& options) {
   Value tables = Value::List();
-  std::size_t bys = 0, targets = 0;
+  std::size_t bys = 0, targets = 0, files = 0;
   for (const std::string& text : options.grabs) {
     GrabText grab = parse_grab("--grab", text);
     Value& table = tables.push_back(grab.keys);
@@ -50,7 +50,9 @@ Value handle_tables(const DeformOptions& options) {
       table["to"] = options.targets[targets++];
       grab.moves_itself = true;
     }
-    if (options.radius_mm && is_point_file_name(text)) table["radius"] = *options.radius_mm;
+    const bool is_file = is_point_file_name(text);
+    if (options.radius_mm && is_file) table["radius"] = *options.radius_mm;
+    files += is_file;
     if (!grab.moves_itself && bys < options.bys.size()) {
       table["by"] = numbers_value("--by", options.bys[bys]);
     }
@@ -66,6 +68,9 @@ Value handle_tables(const DeformOptions& options) {
   if (targets != options.targets.size()) {
     throw UsageError(to_line({"", "--to", std::to_string(options.targets.size()) + " of them",
                               "one for each --grab FILE without displacements, in order"}));
+  }
+  if (options.radius_mm && files == 0) {
+    throw UsageError(to_line({"", "--radius", "no --grab FILE", "a file of points, or ball:"}));
   }
   if (options.push && options.grabs.empty()) {
     throw UsageError(to_line({"", "--push", "no --grab", "a handle that pushes"}));

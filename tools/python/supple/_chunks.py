@@ -112,3 +112,14 @@ def chunks_of(array: Any) -> Corner:
     """Chunks of zarr and h5py, the largest ones of dask; of others a block."""
     chunks = getattr(array, "chunksize", getattr(array, "chunks", None))
     return tuple(int(c) for c in chunks or [min(n, 256) for n in array.shape])
+
+
+def cut(length: int, size: int) -> Tuple[int, ...]:
+    return tuple(min(size, length - n) for n in range(0, length, size))
+
+
+def each_block(sizes: Sequence[Sequence[int]]) -> Iterator[Tuple[Corner, Box]]:
+    ends = [np.cumsum(s).tolist() for s in sizes]
+    for place in itertools.product(*(range(len(s)) for s in sizes)):
+        hi = tuple(e[n] for e, n in zip(ends, place))
+        yield place, (tuple(h - s[n] for h, s, n in zip(hi, sizes, place)), hi)

@@ -1,9 +1,9 @@
 """Arrays larger than memory: warps, resampling and measures as dask arrays, block by block.
 
 A block, about 256 voxels wide and made of whole chunks of the result, reads the voxels that its own
-vectors lead to, and nothing else; the kernel releases the GIL and uses one thread, so that dask
-chooses how many run. store() writes a result in runs of neighbouring blocks that share the chunks
-they decode, and goes on where an earlier call ended.
+vectors lead to. The kernel releases the GIL and uses one thread: dask chooses how many run.
+store() writes runs of neighbouring blocks that share the chunks they decode, and goes on where an
+earlier call ended.
 
     import supple.dask, supple.ome
     scan, field = supple.ome.open("scan.zarr"), supple.ome.read_field("warp.zarr")
@@ -27,8 +27,8 @@ import numpy as np
 from dask.highlevelgraph import HighLevelGraph  # type: ignore[import]
 
 from . import _supple
-from ._chunks import (Box, Corner, Decoded, chunks_of, formed, grown, hull_of, moved, read_box,
-                      shape_of, slices)
+from ._chunks import (Box, Corner, Decoded, chunks_of, cut, each_block, formed, grown, moved,
+                      read_box, shape_of, slices)
 from ._errors import Cancelled, InputError, UsageError
 from ._supple import Grid
 from ._volume import _NRRD_TYPES, as_grid
@@ -76,15 +76,15 @@ def metrics(field: Any, *, affine: Any = None, direction: str = "resample",
     name = "supple-metrics-" + _digest("metrics", _identity(vectors), affine, direction, block)
     layers: Dict[str, Any] = {name: {name: _Measure(vectors, affine, direction)}}
     needs: Dict[str, set] = {name: set()}
-    sizes = [_cut(n, block) for n in vectors.shape[:3]]
-    for place, box in _each_block(sizes):
+    sizes = [cut(n, block) for n in vectors.shape[:3]]
+    for place, box in each_block(sizes):
         layers[name][(name, *place)] = (_called, name, box)
     result = {}
     for key, kind in (("jacobian", "f4"), ("length_mm", "f4"), ("bending_per_mm2", "f4"),
                       ("folded", "u1")):
         of_key = f"{name}-{key}"
         layers[of_key] = {(of_key, *place): (getitem, (name, *place), key)
-                          for place, _ in _each_block(sizes)}
+                          for place, _ in each_block(sizes)}
         needs[of_key] = {name}
         result[key] = of_key, kind
     graph = HighLevelGraph(layers, needs)
@@ -129,7 +129,7 @@ def store(array: da.Array, path: Any, *, chunks: Optional[Sequence[int]] = None,
     stop = os.path.join(path, ".stopped")
     if os.path.exists(stop):
         os.remove(stop)
-    blocks = [(place, box) for place, box in _each_block(array.chunks) if not _is_there(out, box)]
+    blocks = [(place, box) for place, box in each_block(array.chunks) if not _is_there(out, box)]
     if isinstance(task, _Warp):
         runs = _runs(blocks, array, task, memory)
         parts = [dask.delayed(_write_run)(dask.delayed(task, name=array.name), run, out, stop,
@@ -243,9 +243,9 @@ def _blocks(volume: Any, affine: Any, field: Any, field_affine: Any, grid: Any, 
     task.kernel  # finds what is wrong with the grids now
     name = "supple-warp-" + _digest(_identity(volume), _identity(field), grids, first, shape,
                                     chunks, interpolation, fill, _supple.version)
-    sizes = [_cut(n, _block_of(c)) for n, c in zip(shape, chunks)]
+    sizes = [cut(n, _block_of(c)) for n, c in zip(shape, chunks)]
     layer: Dict[Any, Any] = {name: task}
-    layer.update(((name, *place), (_called, name, of)) for place, of in _each_block(sizes))
+    layer.update(((name, *place), (_called, name, of)) for place, of in each_block(sizes))
     return da.Array(HighLevelGraph.from_collections(name, layer), name, sizes,
                     np.dtype(volume.dtype).newbyteorder("="))
 
@@ -289,17 +289,6 @@ def _box_in(shape: Corner, box: Any) -> Tuple[Corner, Corner]:
 
 def _block_of(chunk: int) -> int:
     return chunk * max(round(_BLOCK / chunk), 1)
-
-
-def _cut(length: int, size: int) -> Tuple[int, ...]:
-    return tuple(min(size, length - n) for n in range(0, length, size))
-
-
-def _each_block(sizes: Sequence[Sequence[int]]) -> Iterator[Tuple[Corner, Box]]:
-    ends = [np.cumsum(s).tolist() for s in sizes]
-    for place in itertools.product(*(range(len(s)) for s in sizes)):
-        hi = tuple(e[n] for e, n in zip(ends, place))
-        yield place, (tuple(h - s[n] for h, s, n in zip(hi, sizes, place)), hi)
 
 
 def _called(task: Any, box: Box) -> Any:

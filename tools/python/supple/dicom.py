@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import datetime
 import os
+import re
 from typing import Any, List, Optional, Union
 
 import numpy as np
@@ -18,6 +19,7 @@ from pydicom.dataset import Dataset, FileDataset, FileMetaDataset
 from pydicom.sequence import Sequence as Items
 from pydicom.uid import UID, ExplicitVRLittleEndian, generate_uid
 
+from . import _supple
 from ._errors import InputError
 from ._warp import Warp, as_warp
 
@@ -92,6 +94,9 @@ def write(path: _Path, warp: Any, *, fixed: _Path, moving: Optional[_Path] = Non
     if warp.direction != "resample":
         raise InputError('warp: found direction "material", expected "resample" (supple.invert)',
                          field="warp")
+    if not re.fullmatch("[A-Z0-9_ ]{1,16}", label):
+        raise InputError(f"label: found {label!r}, expected capitals, digits and _, 16 at most",
+                         field="label")
     of_fixed = _open(fixed)
     of_moving = _open(moving) if moving is not None else of_fixed
     now = datetime.datetime.now()
@@ -112,7 +117,7 @@ def write(path: _Path, warp: Any, *, fixed: _Path, moving: Optional[_Path] = Non
     out.FrameOfReferenceUID = _frame_of(of_fixed, fixed, "fixed")
     out.PositionReferenceIndicator = of_fixed.get("PositionReferenceIndicator", "")
     out.Manufacturer = out.ManufacturerModelName = "Supple"
-    out.DeviceSerialNumber, out.SoftwareVersions = "0", "Supple"
+    out.DeviceSerialNumber, out.SoftwareVersions = "0", _supple.version
     out.InstanceNumber, out.ContentLabel = 1, label
     out.ContentDescription, out.ContentCreatorName = description, ""
     item = Dataset()

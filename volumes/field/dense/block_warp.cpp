@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
 #include <vector>
 
 #include "volumes/base/error.h"
@@ -289,6 +290,7 @@ void BlockWarp::resample(const IndexBox& box, const BlockOf<Vec3f>& vectors,
       place_row(box, j, k, places);
       if (!reader.read(places, is_nearest, out)) {
         require_within("source", voxels_of(box, vectors), source.box);
+        throw std::logic_error("a block reads more than voxels_of() says");
       }
       out += count;
     }

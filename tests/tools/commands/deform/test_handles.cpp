@@ -107,6 +107,8 @@ TEST_F(UnitHandles, PointsGoToThoseOfAnotherFilePairByPair) {
                  3, {"one.csv: points: found 1, expected 2 as in "});
   expect_refused(deform("x.vdb", {"--grab", "8,8,8", "--by", "1,0,0", "--to", m_folder / "to.csv"}),
                  2, {"--to: found 1 of them"});
+  expect_refused(deform("x.vdb", {"--grab", "8,8,8", "--by", "1,0,0", "--radius", "2"}), 2,
+                 {"--radius: found no --grab FILE"});
   const std::string step = "[[step]]\npoints = \"from.csv\"\nradius = 2.0\nby = [1.0, 0.0, 0.0]\n";
   expect_refused(run_scene(step), 3, {"step[1].radius", "go as one"});
   expect_refused(run_scene("[[step]]\ngrab = [8, 8, 8]\nto = \"to.csv\"\n"), 3,
