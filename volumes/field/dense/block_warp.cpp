@@ -5,6 +5,7 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 #include <vector>
 
 #include "volumes/base/error.h"
@@ -307,7 +308,7 @@ void BlockWarp::place_row(const IndexBox& box, int j, int k, RowPlaces& places) 
 
 #define SUPPLE_BLOCKS_OF(T)                                                                    \
   template void BlockWarp::resample(const IndexBox&, const BlockOf<Vec3f>&, const BlockOf<T>&, \
-                                    bool, double, T*) const;
+                                    bool, double, std::add_pointer_t<T>) const;
 SUPPLE_BLOCKS_OF(std::int8_t)
 SUPPLE_BLOCKS_OF(std::uint8_t)
 SUPPLE_BLOCKS_OF(std::int16_t)

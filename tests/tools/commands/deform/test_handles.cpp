@@ -232,8 +232,7 @@ TEST_F(UnitHandles, TextsOfTheCommandLineAreTheTablesOfAScene) {
   expect_same({"--force", "--grab", "{grab = [8, 8, 8], soft = 4, rotate = 20, axis = [0, 0, 1]}"},
               "handles = [{ grab = [8, 8, 8], soft = 4, rotate = 20, axis = [0, 0, 1] }]\n");
   expect_same({"--force", "--grab", "8,8,8", "--by", "2,0,0", "--fix",
-               "{grab_box = [4, 0, 0, 5, "
-               "15, 15], grab_density = [1, 255]}"},
+               "{grab_box = [4, 0, 0, 5, 15, 15], grab_density = [1, 255]}"},
               "grab = [8, 8, 8]\nby = [2, 0, 0]\nfix = [[4, 0, 0, 5, 15, 15]]\n");
 }
 
