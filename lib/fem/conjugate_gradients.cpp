@@ -106,17 +106,19 @@ void ConjugateGradients::tell(Progress* told) {
 }
 
 bool ConjugateGradients::run(const Progress* progress, Progress* told) {
-  compute_residual();
-  m_size = m_meter(m_r);
-  if (m_size.largest_mn == 0) return true;
-  for (int start = 0; start < kMaxStarts; ++start) {
-    bool is_first = true;
-    if (m_error) m_error->start(m_u);
+  if (!m_goes_on) {
+    compute_residual();
+    m_size = m_meter(m_r);
+    if (m_size.largest_mn == 0) return true;
+  }
+  for (; m_starts < kMaxStarts; ++m_starts) {
+    if (m_error && !m_goes_on) m_error->start(m_u);
+    bool is_going = m_goes_on;
     while (m_iterations < m_limits.max_iterations) {
       poll(progress);
       precondition(progress);
-      if (!iterate(is_first)) break;
-      is_first = false;
+      if (!iterate(!is_going)) break;
+      is_going = true;
       ++m_iterations;
       m_size = m_meter(m_r);
       if (m_error) m_error->take(m_u, m_step);
@@ -129,7 +131,11 @@ bool ConjugateGradients::run(const Progress* progress, Progress* told) {
     m_size = m_meter(m_r);
     m_size.reaction_change = change;
     if (is_converged()) return true;
-    if (is_first || m_limits.may_be_indefinite || m_iterations >= m_limits.max_iterations) break;
+    m_goes_on = is_going && m_iterations >= m_limits.max_iterations;
+    if (m_goes_on || !is_going || m_limits.may_be_indefinite ||
+        m_iterations >= m_limits.max_iterations) {
+      break;
+    }
   }
   return false;
 }

@@ -44,8 +44,10 @@ class ConjugateGradients {
 
   /// Solves; true when the limits are reached by the residual as it is computed afresh; false after
   /// too many iterations, or where no descent is found. Throws Cancelled. `told`: hears after every
-  /// iteration how far the residual has come.
+  /// iteration how far the residual has come. After too many iterations it goes on from there, with
+  /// the directions that it has, once allow() lets it.
   bool run(const Progress* progress, Progress* told = nullptr);
+  void allow(int max_iterations) { m_limits.max_iterations = max_iterations; }
 
   int iterations() const { return m_iterations; }
   const ResidualSize& size() const { return m_size; }
@@ -70,6 +72,8 @@ class ConjugateGradients {
   ResidualMeter m_meter;
   ResidualSize m_size;
   int m_iterations = 0;
+  int m_starts = 0;
+  bool m_goes_on = false;  // p and K p are those of the iteration before
   double m_told_part = 0;
   std::vector<double> m_u, m_r;
   std::vector<float> m_p;

@@ -27,7 +27,7 @@ double change_between(const std::vector<double>& a, const std::vector<double>& b
     const double d = a[n] - b[n];
     squares[n / 3] += d * d;
   }
-  const auto at = squares.begin() + std::ptrdiff_t(kPercentile * double(squares.size() - 1) + 0.5);
+  const auto at = squares.begin() + std::lround(kPercentile * double(squares.size() - 1));
   std::nth_element(squares.begin(), at, squares.end());
   return std::sqrt(*at);
 }

@@ -46,7 +46,7 @@ void VoxelCorners::for_each_node(Slot slot, Visit&& visit) const {
   const int parts = m_refined->parts();
   int n = 0;
   for (const std::int32_t e : m_refined->parts_of(m_mesh, voxel_of(m_body.elements, slot))) {
-    const Vec3d low(n / (parts * parts), n / parts % parts, n % parts);
+    const Vec3d low(Vec3i(n / (parts * parts), n / parts % parts, n % parts));
     const Corners corners = m_mesh.corners(e);
     for (std::size_t c = 0; c < 8; ++c) {
       visit(corners[c], (low + place_of_corner(c)) / double(parts));

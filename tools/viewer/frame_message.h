@@ -33,7 +33,9 @@ struct FrameMessage {
   std::vector<std::uint8_t> picture;
 
   /// Which of kPictureCount pictures it is.
-  std::size_t slot() const { return std::size_t(view + (is_at_rest ? kViewCount : 0)); }
+  std::size_t slot() const {
+    return std::size_t(view) + (is_at_rest ? std::size_t(kViewCount) : 0);
+  }
 };
 
 /// `event`: `number` as the page counts.

@@ -30,6 +30,10 @@ struct SolvedTo {
   double reaction_change_mn = 0;  // in the last iteration
 };
 
+/// Solutions that others may be sums of are solved to this part of the error that is asked for: a
+/// motion may grow and have several directions before they have to be solved further.
+constexpr double kErrorShare = 1.0 / 16;
+
 /// A solution of what is prescribed at some held components; orthogonal to those of the others.
 struct UnitResponse {
   std::vector<std::uint32_t> at;      // 3 node + component

@@ -63,7 +63,7 @@ std::vector<bool> FemModel::hinged(const HeldBits& held) const {
   return hinged_elements(mesh(), all_held);
 }
 
-bool FemModel::part_hinges(const Body& body, HeldBits held, Progress* progress) {
+bool FemModel::part_hinges(const Body& body, const HeldBits& held, Progress* progress) {
   std::vector<bool> apart = hinged(held);
   if (apart.empty()) return false;
   const std::vector<bool>& known = m_parts->touching.apart;
@@ -252,7 +252,7 @@ void FemModel::solve_coarse(NodalLoads& loads, const FemParams& params, Progress
   FemReport& report = out.report;
   const int most = int(levels().meshes.size()) - 1;
   require(params.doublings <= most, "coarsen", params.doublings,
-          ("at most " + std::to_string(most) + " for so few elements").c_str());
+          "at most " + std::to_string(most) + " for so few elements");
   const Stopwatch clock;
   Multigrid multigrid(levels(), stiffness(), material(), loads.held, {}, progress,
                       params.doublings);

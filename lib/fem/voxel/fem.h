@@ -57,7 +57,7 @@ class FemModel final : public ElasticSolid {
   /// Parts pieces of elements that share nodes with others and can turn there without strain, with
   /// these components of nodes held: so they are loose islands. True where there are such; the mesh
   /// is another then. `body` is that of the model. Throws Cancelled.
-  bool part_hinges(const Body& body, HeldBits held, Progress* progress = nullptr);
+  bool part_hinges(const Body& body, const HeldBits& held, Progress* progress = nullptr);
   /// Joins the pieces again that part_hinges() has parted.
   void join_hinges(const Body& body, Progress* progress = nullptr);
 

@@ -54,7 +54,7 @@ NodeCount count_nodes(const BrickTopology& elements, const SlotSet& fixed) {
       const std::uint8_t bits = held != nullptr && mask_test(*held, offset) ? 3 : 1;
       for (int n = 0; n < 8; ++n) {
         const int i = voxel.x + (n >> 2), j = voxel.y + (n >> 1 & 1), k = voxel.z + (n & 1);
-        corners[std::size_t((i * kEdge + j) * kEdge + k)] |= bits;
+        corners[(std::size_t(i) * kEdge + std::size_t(j)) * kEdge + std::size_t(k)] |= bits;
       }
     });
     for (std::size_t n = 0; n < corners.size(); ++n) {

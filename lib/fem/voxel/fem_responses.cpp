@@ -3,9 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "lib/fem/conjugate_gradients.h"
 #include "lib/fem/response/response_set.h"
-#include "lib/fem/voxel/coarse_elements.h"
 #include "lib/fem/voxel/fem.h"
 #include "lib/fem/voxel/fem_results.h"
 #include "lib/fem/voxel/hex_operator.h"
@@ -22,9 +20,6 @@ namespace {
 constexpr double kRoundedVoxels = 2.0 / (1 << 16);
 /// A sum may leave so many tolerances: each of its terms has one.
 constexpr double kSumTolerances = 2;
-/// Solutions that others may be sums of are solved to this part of the error that is asked for: a
-/// motion may grow and have several directions before they have to be solved further.
-constexpr double kErrorShare = 1.0 / 16;
 
 ResponseKey key_of(const NodalLoads& loads, const std::vector<bool>& apart,
                    const FemParams& params) {
@@ -66,12 +61,6 @@ ResidualSize residual_of(const HexOperator& stiffness, const NodalLoads& loads,
   return meter(r);
 }
 
-/// True where nothing moves the body: it stays.
-bool is_at_rest(const NodalLoads& loads) {
-  return loads.force_mn.empty() &&
-         std::all_of(loads.u_mm.begin(), loads.u_mm.end(), [](double u_mm) { return u_mm == 0; });
-}
-
 /// Measures of what a solution with these limits has left.
 SolvedTo solved_to(const FemSolution& solution, double seen_mn, const FemParams& params) {
   const bool is_to_error = params.error_mm.has_value();
@@ -85,85 +74,12 @@ FemParams to_error(const FemParams& params, double error_mm) {
   return other;
 }
 
-template <class Solver>
-double error_of(const Solver&) {
-  return 0;
-}
-double error_of(const ConjugateGradients& solver) {
-  return solver.error_mm().value_or(0);
-}
-template <class Solver>
-double ritz_value_of(const Solver&) {
-  return 1;
-}
-double ritz_value_of(const ConjugateGradients& solver) {
-  return solver.ritz_value();
-}
-
-template <class Solver>
-NodalSolution solved_by(Solver& solver, bool may_be_rough, Progress* progress) {
-  const bool is_converged = solver.run(progress, progress);
-  NodalSolution out;
-  out.iterations = solver.iterations();
-  out.residual_max = solver.size().max;
-  out.to = {solver.size().seen_mn, error_of(solver), solver.size().reaction_change_mn};
-  out.ritz_value = ritz_value_of(solver);
-  if (!is_converged && !may_be_rough) {
-    FemReport told;
-    told.iterations = out.iterations;
-    note(solver.size(), told);
-    throw NotConverged(told);
-  }
-  out.residual_mn = solver.residual();
-  out.u_mm = solver.take_u();
-  return out;
-}
-
 }  // namespace
-
-std::vector<NodalSolution> LevelSolver::solve(std::vector<NodalLoads>& loads,
-                                              const FemParams& params, bool may_be_rough,
-                                              Progress* progress) {
-  std::vector<NodalSolution> all;
-  if (loads.empty()) return all;
-  const HeldBits& held = loads.front().held;
-  if (!m_system) {
-    m_system = std::make_unique<VoxelSystem>(m_model.levels(), m_model.stiffness(),
-                                             m_model.material(), held, progress, params.doublings);
-  }
-  m_system->multigrid().extend(params.doublings, held, progress);
-  stage(progress, "solving");
-  CgLimits limits{params.residual_limit(), params.reaction_limit(), params.max_iterations};
-  if (params.error_mm) {
-    limits.error_mm = kErrorShare * *params.error_mm;
-    limits.contrast = free_contrast(m_model.mesh(), m_model.material(), held);
-  }
-  const auto solve_with = [&](auto&& solver) {
-    const std::size_t bytes = m_model.bytes() + m_system->bytes() + solver.bytes() +
-                              all.size() * 2 * sizeof(double) * solver.residual().size();
-    all.push_back(solved_by(solver, may_be_rough, progress));
-    all.back().bytes = bytes;
-  };
-  for (NodalLoads& one : loads) {
-    if (is_at_rest(one)) {
-      all.emplace_back().residual_mn.resize(one.u_mm.size());
-      all.back().u_mm = std::move(one.u_mm);
-    } else if (params.doublings > 0) {
-      solve_with(CoarseElements(m_model.stiffness(), m_system->multigrid(), params.doublings, one,
-                                limits));
-    } else {
-      limits.ritz_value = m_ritz_value;
-      solve_with(ConjugateGradients(*m_system, one, limits));
-      m_ritz_value = all.back().ritz_value;
-    }
-  }
-  return all;
-}
 
 std::vector<NodalSolution> FemModel::solve_beside(std::vector<NodalLoads> loads,
                                                   const FemParams& params,
                                                   Progress* progress) const {
-  return LevelSolver(*this).solve(loads, params, false, progress);
+  return LevelSolver(*this, loads).solve(params, false, progress);
 }
 
 void FemModel::keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions,

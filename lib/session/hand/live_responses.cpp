@@ -23,13 +23,15 @@ constexpr double kSampled = 0.95;
 constexpr double kMoved = 0.05;
 /// Tolerance of all levels but the last.
 constexpr double kRough = 1e-1;
-/// Elements of 2^doublings voxels, solved by so many iterations at most; 0: as the step asks.
+/// Elements of 2^doublings voxels, solved by so many iterations at most, of voxels with those of
+/// the levels before; 0: as the step asks.
 /// Voxels need no more time than elements of twice their size to come as near, since their cycle
 /// knows thin parts.
 struct LevelKind {
   int doublings, iterations;
 };
-constexpr LevelKind kLevels[kAllLevels] = {{3, 100}, {0, 2}, {0, 3}, {0, 5}, {0, 11}, {0, 0}};
+constexpr LevelKind kLevels[kAllLevels] = {{3, 100}, {2, 100}, {0, 2},  {0, 3},
+                                           {0, 5},   {0, 10},  {0, 21}, {0, 0}};
 /// Directions that are shorter than this part of their target are no directions of their own.
 constexpr double kLeastPart = 1e-6;
 /// Places are rounded to 2^-16 voxel: what a direction asks less than this is no motion.
@@ -74,7 +76,7 @@ std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<doubl
 
 }  // namespace
 
-struct LiveResponses::Level {
+struct LiveLevel {
   int doublings = 0;
   bool is_last = false;
   ResponseField field;                            // the base, and one per direction
@@ -146,7 +148,7 @@ LiveResponses::Affine LiveResponses::affine_of(const DragPose& pose) const {
     Vec3d unit(0.0);
     unit[a] = m_radius_mm;
     const Vec3d column = moved_way(unit);
-    for (int c = 0; c < 3; ++c) out[std::size_t(3 + 3 * c + a)] = column[c];
+    for (std::size_t c = 0; c < 3; ++c) out[3 + 3 * c + a] = column[int(c)];
   }
   return out;
 }
@@ -196,11 +198,12 @@ std::vector<NodalLoads> LiveResponses::loads(const VoxelFemModel& model, const F
   return all;
 }
 
-std::shared_ptr<LiveResponses::Level> LiveResponses::level_of(
-    const VoxelFemModel& model, const std::vector<NodalLoads>& loads,
-    const std::vector<NodalSolution>& solutions, const Level* before) const {
+std::shared_ptr<LiveLevel> LiveResponses::level_of(const VoxelFemModel& model,
+                                                   const std::vector<NodalLoads>& loads,
+                                                   const std::vector<NodalSolution>& solutions,
+                                                   const LiveLevel* before) const {
   const std::size_t count = solutions.size();
-  auto level = std::make_shared<Level>();
+  auto level = std::make_shared<LiveLevel>();
   level->force_n.resize(count, Vec3d(0.0));
   level->pieces.resize(count);
   std::vector<std::vector<float>> fields(count);
@@ -248,8 +251,8 @@ void LiveResponses::run(Progress* progress, std::shared_ptr<KeptVoxels> ahead, i
   const FemModel& solid = model.solid();
   std::vector<NodalLoads> all = loads(model, task, progress);
   const int deepest = int(solid.levels().meshes.size()) - 1;
-  LevelSolver solver(solid);
-  std::shared_ptr<const Level> before;
+  LevelSolver solver(solid, all);
+  std::shared_ptr<const LiveLevel> before;
   for (const auto& [doublings, iterations] : kLevels) {
     if (doublings > deepest) continue;
     if (ready() >= levels) return;
@@ -262,13 +265,15 @@ void LiveResponses::run(Progress* progress, std::shared_ptr<KeptVoxels> ahead, i
       params.error_mm.reset();
     }
     if (!is_last) params.max_iterations = std::min(params.max_iterations, iterations);
-    std::vector<NodalSolution> solutions = solver.solve(all, params, !is_last, progress);
-    std::shared_ptr<Level> found = level_of(model, all, solutions, before.get());
+    std::vector<NodalSolution> solutions = solver.solve(params, !is_last, progress);
+    std::shared_ptr<LiveLevel> found = level_of(model, all, solutions, before.get());
     found->doublings = doublings;
     found->is_last = is_last;
     before = found;
-    for (std::size_t n = 0; n < all.size(); ++n) {
-      all[n].u_mm = is_last ? solutions[n].u_mm : std::move(solutions[n].u_mm);
+    if (doublings > 0 || is_last) {
+      for (std::size_t n = 0; n < all.size(); ++n) {
+        all[n].u_mm = is_last ? solutions[n].u_mm : std::move(solutions[n].u_mm);
+      }
     }
     if (is_last) keep(all, std::move(solutions));
     publish(std::move(found));
@@ -287,19 +292,15 @@ void LiveResponses::keep(const std::vector<NodalLoads>& loads,
   m_found = std::move(found);
 }
 
-void LiveResponses::publish(std::shared_ptr<const Level> level) {
+void LiveResponses::publish(std::shared_ptr<const LiveLevel> level) {
   const std::lock_guard<std::mutex> lock(m_mutex);
-  m_levels.push_back(std::move(level));
-}
-
-std::shared_ptr<const LiveResponses::Level> LiveResponses::level(int number) const {
-  const std::lock_guard<std::mutex> lock(m_mutex);
-  return m_levels.at(std::size_t(number));
+  m_best = std::move(level);
+  ++m_ready;
 }
 
 int LiveResponses::ready() const {
   const std::lock_guard<std::mutex> lock(m_mutex);
-  return int(m_levels.size());
+  return m_ready;
 }
 
 std::shared_ptr<const FemResponses> LiveResponses::found() const {
@@ -327,16 +328,19 @@ LivePose LiveResponses::pose(const DragPose& target) const {
     }
   }
   out.beyond_mm = std::sqrt(dot_of(left, left));
-  out.level = ready() - 1;
-  if (out.level < 0) return out;
-  const std::shared_ptr<const Level> at = level(out.level);
-  out.doublings = at->doublings;
-  if (at->is_last) {
+  {
+    const std::lock_guard<std::mutex> lock(m_mutex);
+    out.level = m_ready - 1;
+    out.of = m_best;
+  }
+  if (!out.of) return out;
+  out.doublings = out.of->doublings;
+  if (out.of->is_last) {
     out.error_mm = 0;
-  } else if (!at->change_mm.empty()) {
-    out.error_mm = at->change_mm[0];
+  } else if (!out.of->change_mm.empty()) {
+    out.error_mm = out.of->change_mm[0];
     for (std::size_t n = 0; n < count; ++n) {
-      out.error_mm += std::abs(out.parts[n]) * at->change_mm[n + 1];
+      out.error_mm += std::abs(out.parts[n]) * out.of->change_mm[n + 1];
     }
   }
   return out;
@@ -355,33 +359,28 @@ std::vector<double> with_base(const LivePose& pose) {
 
 void LiveResponses::displacements(const LivePose& pose, std::size_t begin, std::size_t end,
                                   Vec3f* out) const {
-  level(pose.level)->field.sum(with_base(pose), begin, end, out);
+  pose.of->field.sum(with_base(pose), begin, end, out);
 }
 
 Vec3d LiveResponses::force_n(const LivePose& pose) const {
-  const std::shared_ptr<const Level> at = level(pose.level);
   const std::vector<double> parts = with_base(pose);
   Vec3d sum(0);
-  for (std::size_t n = 0; n < parts.size(); ++n) sum += at->force_n[n] * parts[n];
+  for (std::size_t n = 0; n < parts.size(); ++n) sum += pose.of->force_n[n] * parts[n];
   return sum;
 }
 
 std::vector<RigidPose> LiveResponses::piece_poses(const LivePose& pose) const {
-  const std::shared_ptr<const Level> at = level(pose.level);
   const std::vector<double> parts = with_base(pose);
   std::vector<PieceMoments> sums(m_body.rigid.list.size());
   for (std::size_t n = 0; n < parts.size(); ++n) {
-    for (std::size_t p = 0; p < sums.size(); ++p) sums[p].add(at->pieces[n][p], parts[n]);
+    for (std::size_t p = 0; p < sums.size(); ++p) sums[p].add(pose.of->pieces[n][p], parts[n]);
   }
   return m_fits.poses(sums);
 }
 
 std::size_t LiveResponses::bytes() const {
   const std::lock_guard<std::mutex> lock(m_mutex);
-  std::size_t sum = m_body.bytes();
-  for (std::size_t n = 0; n < m_levels.size(); ++n) {
-    sum += m_levels[n]->field.bytes();
-  }
+  const std::size_t sum = m_body.bytes() + (m_best ? m_best->field.bytes() : 0);
   return sum + (m_found ? m_found->known.bytes() : 0);
 }
 

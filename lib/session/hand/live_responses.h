@@ -6,14 +6,15 @@
 // of the hand makes of the best level so far, and displacements() of it the elements that a picture
 // needs.
 //
-// Levels are elements of 8 voxels, then of 1 after 2, 5, 10 and 21 iterations and at the end, each
-// started from the one before. Then found() has the solutions of the last level, for the step that
-// the hand ends with.
-// A direction is a target of the handle, such as a shift along each axis of a view, or turns by 90
-// and 180 degrees about the axis of a ring: two span all targets of their plane or ring.
+// Levels are elements of 8 and 4 voxels, then of 1 after 2, 3, 5, 10 and 21 iterations and at the
+// end, each started from the one before. Then found() has the solutions of the last level, for the
+// step that the hand ends with. A direction is a target of the handle, such as a shift along each
+// axis of a view, or turns by 90 and 180 degrees about the axis of a ring: two span all targets of
+// their plane or ring.
 //
-// Memory: of a level 12 bytes per element and direction; while one is found, of the level and the
-// one before it, what a solver takes, and 16 bytes per unknown and direction.
+// Memory: of the best level, and of what poses still have, 12 bytes per element and direction;
+// while one is found, 12 of the one before it, what solvers take (44 bytes per unknown and
+// direction), and 16 bytes per unknown and direction.
 #pragma once
 
 #include <array>
@@ -29,10 +30,14 @@
 namespace supple {
 
 /// No body has more levels.
-constexpr int kAllLevels = 6;
+constexpr int kAllLevels = 8;
 
-/// A target of the hand in the responses of a level.
+/// Responses of one level.
+struct LiveLevel;
+
+/// A target of the hand in the responses of a level, which it keeps.
 struct LivePose {
+  std::shared_ptr<const LiveLevel> of;
   int level = -1;      // of those that are there, from 0; -1: none is yet
   int doublings = -1;  // elements of 2^doublings voxels
   /// 95th percentile of the displacement's error beside elements of one voxel, where a direction
@@ -74,17 +79,16 @@ class LiveResponses {
   std::size_t bytes() const;
 
  private:
-  struct Level;
   using Affine = std::array<double, 12>;  // shift, and linear map in rows, about m_about_mm
   Affine affine_of(const DragPose& pose) const;
   std::vector<NodalLoads> loads(const VoxelFemModel& model, const FemTask& task,
                                 Progress* progress);
-  std::shared_ptr<Level> level_of(const VoxelFemModel& model, const std::vector<NodalLoads>& loads,
-                                  const std::vector<NodalSolution>& solutions,
-                                  const Level* before) const;
-  void publish(std::shared_ptr<const Level> level);
+  std::shared_ptr<LiveLevel> level_of(const VoxelFemModel& model,
+                                      const std::vector<NodalLoads>& loads,
+                                      const std::vector<NodalSolution>& solutions,
+                                      const LiveLevel* before) const;
+  void publish(std::shared_ptr<const LiveLevel> level);
   void keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions);
-  std::shared_ptr<const Level> level(int number) const;
 
   Body m_body;
   PieceFits m_fits;
@@ -102,7 +106,8 @@ class LiveResponses {
   std::vector<Affine> m_directions;  // as m_handles
   std::vector<bool> m_is_handle;     // per held set of loads
   mutable std::mutex m_mutex;
-  std::vector<std::shared_ptr<const Level>> m_levels;
+  std::shared_ptr<const LiveLevel> m_best;
+  int m_ready = 0;
   std::shared_ptr<const FemResponses> m_found;
 };
 

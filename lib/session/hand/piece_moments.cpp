@@ -66,9 +66,9 @@ std::vector<RigidPose> PieceFits::poses(const std::vector<PieceMoments>& moments
     for (int a = 0; a < 3; ++a) {
       Vec3d axis(0.0), image;
       axis[a] = arm;
-      for (int b = 0; b < 3; ++b) {
-        const auto n = std::size_t(3 * a + b);
-        image[b] = (rest.products[n] + moments[p].product[n]) / (2 * arm);
+      for (std::size_t b = 0; b < 3; ++b) {
+        const std::size_t n = 3 * std::size_t(a) + b;
+        image[int(b)] = (rest.products[n] + moments[p].product[n]) / (2 * arm);
       }
       fit.add(from + axis, to + image);
       fit.add(from - axis, to - image);

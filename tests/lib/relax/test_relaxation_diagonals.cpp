@@ -157,7 +157,7 @@ TEST(PropertyRelaxation, WithDiagonalsAnAffineShapeIsAtRestInside) {
     EXPECT_TRUE(relax(body, {}, holds, to_rest()).converged);
     for_each_element(body.elements, [&](Slot slot) {
       const Vec3i v = voxel_of(body.elements, slot);
-      ASSERT_NEAR(body.q[0].at(slot), affine(v), kVoxel / 1000) << links;
+      ASSERT_NEAR(body.q[0].at(slot), affine(v), kVoxel / 1000.0) << links;
     });
   }
 }

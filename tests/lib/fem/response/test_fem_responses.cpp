@@ -250,16 +250,16 @@ TEST(PropertyFemResponses, LevelsAfterEachOtherHaveTheBitsOfEachAlone) {
   const NodalLoads moved = model.checked_loads(loads, {}, nullptr, report);
   NodalLoads still = moved;
   std::fill(still.u_mm.begin(), still.u_mm.end(), 0.0);
-  LevelSolver solver(model);
+  std::vector<NodalLoads> both = {still, moved};
+  LevelSolver solver(model, both);
   const int deepest = int(model.levels().meshes.size()) - 1;
   EXPECT_GE(deepest, 2);
   for (int doublings = deepest; doublings >= 0; --doublings) {
     FemParams params;
     params.doublings = doublings;
     params.tolerance = 1e-4;
-    std::vector<NodalLoads> both = {still, moved};
-    const std::vector<NodalSolution> one_after_the_other =
-        solver.solve(both, params, false, nullptr);
+    both = {still, moved};
+    const std::vector<NodalSolution> one_after_the_other = solver.solve(params, false, nullptr);
     const NodalSolution alone = model.solve_beside({moved}, params).front();
     EXPECT_GT(alone.iterations, 0);
     EXPECT_EQ(one_after_the_other[1].iterations, alone.iterations) << doublings;
@@ -270,6 +270,20 @@ TEST(PropertyFemResponses, LevelsAfterEachOtherHaveTheBitsOfEachAlone) {
   FemParams few;
   few.max_iterations = 1;
   std::vector<NodalLoads> rough = {moved}, strict = {moved};
-  EXPECT_EQ(solver.solve(rough, few, true, nullptr).front().iterations, 1);
-  EXPECT_THROW(solver.solve(strict, few, false, nullptr), NotConverged);
+  LevelSolver by_steps(model, rough);
+  EXPECT_EQ(by_steps.solve(few, true, nullptr).front().iterations, 1);
+  EXPECT_THROW(LevelSolver(model, strict).solve(few, false, nullptr), NotConverged);
+  // Those that are allowed later go on as if there had been no end.
+  few.max_iterations = 4;
+  const NodalSolution gone_on = by_steps.solve(few, true, nullptr).front();
+  rough = {moved};
+  const NodalSolution at_once = LevelSolver(model, rough).solve(few, true, nullptr).front();
+  EXPECT_EQ(gone_on.iterations, 4);
+  EXPECT_EQ(at_once.iterations, 4);
+  double largest = 0, apart = 0;
+  for (std::size_t n = 0; n < at_once.u_mm.size(); ++n) {
+    largest = std::max(largest, std::abs(at_once.u_mm[n]));
+    apart = std::max(apart, std::abs(at_once.u_mm[n] - gone_on.u_mm[n]));
+  }
+  EXPECT_LE(apart, 1e-6 * largest);
 }

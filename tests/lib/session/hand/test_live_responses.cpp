@@ -1,6 +1,7 @@
 // Steps of finite elements that are sums of earlier ones, and responses under a hand.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -273,13 +274,27 @@ TEST_F(UnitLiveResponses, LevelsComeNearerToTheLastAndACancelledRunKeepsWhatItHa
     of.displacements(pose, 0, u.size(), u.data());
     return u;
   };
+  /// Keeps the pose of every level.
+  struct Keeping final : Progress {
+    std::function<LivePose()> pose;
+    mutable std::vector<LivePose> poses;
+    void stage(std::string_view) override {}
+    void update(double) override {}
+    bool cancelled() const override {
+      const LivePose now = pose();
+      if (now.level >= int(poses.size())) poses.push_back(now);
+      return false;
+    }
+  } keeping;
   LiveResponses all(session.held_body(), grab, {{{10, 0, 0}, {}}});
-  all.run(nullptr);
+  keeping.pose = [&] { return all.pose(target); };
+  all.run(&keeping);
   const std::vector<Vec3f> best = at(all, all.pose(target));
+  EXPECT_GE(keeping.poses.size(), 3);
   double before = std::numeric_limits<double>::infinity();
-  for (int level = 0; level < all.ready(); ++level) {
-    LivePose pose = all.pose(target);
-    pose.level = level;
+  for (std::size_t level = 0; level < keeping.poses.size(); ++level) {
+    const LivePose& pose = keeping.poses[level];
+    EXPECT_EQ(pose.level, int(level));
     const std::vector<Vec3f> u = at(all, pose);
     double sum = 0;
     for (std::size_t n = 0; n < u.size(); ++n) sum += (u[n] - best[n]).length();

@@ -100,7 +100,7 @@ TEST_F(UnitFit, RigidLabelsAreRigid) {
   const Warp warp = read_warp(path("rigid.nrrd"));
   const auto place = [&](int i, int j, int k) {
     return kFitGrid.world_from_index(Vec3d(i, j, k)) +
-           Vec3d(warp.vectors[std::size_t((k * 12 + j) * 14 + i)]);
+           Vec3d(warp.vectors[(std::size_t(k) * 12 + std::size_t(j)) * 14 + std::size_t(i)]);
   };
   for (int n = 0; n < 40; ++n) {
     const Vec3i a(n % 5, n * 3 % 12, n % 10), b(n * 2 % 5, n * 5 % 12, n * 7 % 10);
