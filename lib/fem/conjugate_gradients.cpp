@@ -52,8 +52,6 @@ std::optional<double> ConjugateGradients::error_mm() const {
 /// z = B r in single precision, scaled so that neither large nor small forces leave its range.
 void ConjugateGradients::precondition(const Progress* progress) {
   const double scale = m_size.largest_mn > 0 ? 1 / m_size.largest_mn : 1;
-  m_step.beta = m_scale / scale;
-  m_scale = scale;
   float* r = m_shared.first();
   for_ranges(m_r.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
@@ -62,6 +60,8 @@ void ConjugateGradients::precondition(const Progress* progress) {
     }
   });
   m_system->precondition(r, m_shared.second(), progress);
+  m_step.beta = m_scale / scale;
+  m_scale = scale;
 }
 
 /// Does one step; false where rounding leaves no descent.
@@ -113,12 +113,11 @@ bool ConjugateGradients::run(const Progress* progress, Progress* told) {
   }
   for (; m_starts < kMaxStarts; ++m_starts) {
     if (m_error && !m_goes_on) m_error->start(m_u);
-    bool is_going = m_goes_on;
     while (m_iterations < m_limits.max_iterations) {
       poll(progress);
       precondition(progress);
-      if (!iterate(!is_going)) break;
-      is_going = true;
+      if (!iterate(!m_goes_on)) break;
+      m_goes_on = true;
       ++m_iterations;
       m_size = m_meter(m_r);
       if (m_error) m_error->take(m_u, m_step);
@@ -131,11 +130,9 @@ bool ConjugateGradients::run(const Progress* progress, Progress* told) {
     m_size = m_meter(m_r);
     m_size.reaction_change = change;
     if (is_converged()) return true;
-    m_goes_on = is_going && m_iterations >= m_limits.max_iterations;
-    if (m_goes_on || !is_going || m_limits.may_be_indefinite ||
-        m_iterations >= m_limits.max_iterations) {
-      break;
-    }
+    if (m_iterations >= m_limits.max_iterations) return false;
+    if (!m_goes_on || m_limits.may_be_indefinite) return false;
+    m_goes_on = false;
   }
   return false;
 }

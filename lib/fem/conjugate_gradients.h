@@ -44,8 +44,8 @@ class ConjugateGradients {
 
   /// Solves; true when the limits are reached by the residual as it is computed afresh; false after
   /// too many iterations, or where no descent is found. Throws Cancelled. `told`: hears after every
-  /// iteration how far the residual has come. After too many iterations it goes on from there, with
-  /// the directions that it has, once allow() lets it.
+  /// iteration how far the residual has come. After too many iterations, where allow() lets it, and
+  /// after Cancelled, it goes on from there with the directions that it has.
   bool run(const Progress* progress, Progress* told = nullptr);
   void allow(int max_iterations) { m_limits.max_iterations = max_iterations; }
 

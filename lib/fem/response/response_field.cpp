@@ -20,7 +20,7 @@ void ResponseField::sum(const std::vector<double>& parts, std::size_t begin, std
   for (std::size_t r = 0; r < m_values.size(); ++r) {
     if (parts[r] == 0) continue;
     factors.push_back(float(parts[r]));
-    from.push_back(m_values[r].data() + 3 * begin);
+    from.push_back(m_values[r]->data() + 3 * begin);
   }
   float* to = &out->x;
   const std::size_t count = 3 * (end - begin), whole = count - count % kLanes;
@@ -42,9 +42,8 @@ void ResponseField::sum(const std::vector<double>& parts, std::size_t begin, std
   for (std::size_t n = whole; n < count; ++n) to[n] = sum[n - whole];
 }
 
-std::vector<float> ResponseField::changes(std::size_t response, const ResponseField& before,
-                                          std::size_t every, double least_part) const {
-  const std::vector<float>&now = m_values[response], &then = before.m_values[response];
+std::vector<float> changes_between(const std::vector<float>& now, const std::vector<float>& then,
+                                   std::size_t every, double least_part) {
   const auto at = [](const std::vector<float>& values, std::size_t n) {
     return Vec3f(values[n], values[n + 1], values[n + 2]);
   };
@@ -62,7 +61,7 @@ std::vector<float> ResponseField::changes(std::size_t response, const ResponseFi
 
 std::size_t ResponseField::bytes() const {
   std::size_t sum = 0;
-  for (const std::vector<float>& values : m_values) sum += values.capacity() * sizeof(float);
+  for (const ResponseValues& values : m_values) sum += values->capacity() * sizeof(float);
   return sum;
 }
 

@@ -88,9 +88,10 @@ class FemModel final : public ElasticSolid {
   std::vector<NodalSolution> solve_beside(std::vector<NodalLoads> loads, const FemParams& params,
                                           Progress* progress = nullptr) const;
 
-  /// Puts such solutions, the first with the forces and the others without, into a set that
-  /// solve_by() goes on with; directions of less than `rounding_mm` beside the others are left out.
-  void keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions,
+  /// Puts such a solution, of loads with or without the forces of `base`, into a set that
+  /// solve_by() goes on with for `base`; a direction of less than `rounding_mm` beside the others
+  /// is left out.
+  void keep(const NodalLoads& base, const NodalLoads& loads, NodalSolution solution,
             const FemParams& params, double rounding_mm, ResponseSet& known) const;
 
   /// K u in mN, three per node: the linear operator as it is, for checks and other solvers.

@@ -79,20 +79,27 @@ FemParams to_error(const FemParams& params, double error_mm) {
 std::vector<NodalSolution> FemModel::solve_beside(std::vector<NodalLoads> loads,
                                                   const FemParams& params,
                                                   Progress* progress) const {
-  return LevelSolver(*this, loads).solve(params, false, progress);
+  LevelSolver solver(*this);
+  for (NodalLoads& one : loads) solver.add(one);
+  std::vector<NodalSolution> all;
+  if (loads.empty()) return all;
+  solver.prepare(params.doublings, progress);
+  for (std::size_t n = 0; n < loads.size(); ++n) {
+    const std::size_t before = 2 * sizeof(double) * n * loads[n].u_mm.size();
+    all.push_back(solver.solve(n, params, false, progress));
+    all.back().bytes += before;
+  }
+  return all;
 }
 
-void FemModel::keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions,
+void FemModel::keep(const NodalLoads& base, const NodalLoads& loads, NodalSolution solution,
                     const FemParams& params, double rounding_mm, ResponseSet& known) const {
-  known.require(key_of(loads.front(), parted(), params));
-  for (std::size_t n = 0; n < loads.size(); ++n) {
-    NodalSolution& of = solutions[n];
-    known.see(of.ritz_value);
-    if (n == 0 && !loads[n].force_mn.empty()) {
-      known.set_base(prescribed(loads[n]), std::move(of.u_mm), of.to);
-    } else {
-      known.add(prescribed(loads[n]), std::move(of.u_mm), of.to, rounding_mm);
-    }
+  known.require(key_of(base, parted(), params));
+  known.see(solution.ritz_value);
+  if (!loads.force_mn.empty()) {
+    known.set_base(prescribed(loads), std::move(solution.u_mm), solution.to);
+  } else {
+    known.add(prescribed(loads), std::move(solution.u_mm), solution.to, rounding_mm);
   }
 }
 

@@ -10,7 +10,6 @@ namespace supple {
 
 namespace {
 
-/// True where nothing moves the body: it stays.
 bool is_at_rest(const NodalLoads& loads) {
   return loads.force_mn.empty() &&
          std::all_of(loads.u_mm.begin(), loads.u_mm.end(), [](double u_mm) { return u_mm == 0; });
@@ -35,9 +34,17 @@ NodalSolution run_solver(Solver& solver, bool may_be_rough, Progress* progress) 
 
 }  // namespace
 
-LevelSolver::LevelSolver(const FemModel& model, std::vector<NodalLoads>& loads)
-    : m_model(model), m_loads(&loads), m_by_voxels(loads.size()) {
-  for (const NodalLoads& one : loads) m_is_still.push_back(is_at_rest(one));
+void LevelSolver::add(NodalLoads& loads) {
+  m_loads.push_back({&loads, is_at_rest(loads), nullptr});
+}
+
+void LevelSolver::prepare(int doublings, Progress* progress) {
+  const HeldBits& held = m_loads.front().of->held;
+  if (!m_system) {
+    m_system = std::make_unique<VoxelSystem>(m_model.levels(), m_model.stiffness(),
+                                             m_model.material(), held, progress, doublings);
+  }
+  m_system->multigrid().extend(doublings, held, progress);
 }
 
 NodalSolution LevelSolver::by_coarse_elements(NodalLoads& loads, int doublings,
@@ -51,12 +58,12 @@ NodalSolution LevelSolver::by_coarse_elements(NodalLoads& loads, int doublings,
   return out;
 }
 
-NodalSolution LevelSolver::by_voxels(std::size_t number, CgLimits limits, bool may_be_rough,
+NodalSolution LevelSolver::by_voxels(Loads& loads, CgLimits limits, bool may_be_rough,
                                      Progress* progress) {
-  std::unique_ptr<ConjugateGradients>& solver = m_by_voxels[number];
+  std::unique_ptr<ConjugateGradients>& solver = loads.by_voxels;
   if (!solver) {
     limits.ritz_value = m_ritz_value;
-    solver = std::make_unique<ConjugateGradients>(*m_system, (*m_loads)[number], limits);
+    solver = std::make_unique<ConjugateGradients>(*m_system, *loads.of, limits);
   }
   solver->allow(limits.max_iterations);
   NodalSolution out = run_solver(*solver, may_be_rough, progress);
@@ -73,38 +80,30 @@ NodalSolution LevelSolver::by_voxels(std::size_t number, CgLimits limits, bool m
   return out;
 }
 
-std::vector<NodalSolution> LevelSolver::solve(const FemParams& params, bool may_be_rough,
-                                              Progress* progress) {
-  std::vector<NodalSolution> all;
-  if (m_loads->empty()) return all;
-  const HeldBits& held = m_loads->front().held;
-  if (!m_system) {
-    m_system = std::make_unique<VoxelSystem>(m_model.levels(), m_model.stiffness(),
-                                             m_model.material(), held, progress, params.doublings);
+NodalSolution LevelSolver::solve(std::size_t n, const FemParams& params, bool may_be_rough,
+                                 Progress* progress) {
+  Loads& loads = m_loads[n];
+  NodalSolution out;
+  if (loads.is_still) {
+    for (std::vector<double>* of : {&out.u_mm, &out.residual_mn}) {
+      of->resize(3 * loads.of->held.size());
+    }
+    return out;
   }
-  m_system->multigrid().extend(params.doublings, held, progress);
   stage(progress, "solving");
   CgLimits limits{params.residual_limit(), params.reaction_limit(), params.max_iterations};
   if (params.error_mm) {
     limits.error_mm = kErrorShare * *params.error_mm;
-    limits.contrast = free_contrast(m_model.mesh(), m_model.material(), held);
+    limits.contrast = free_contrast(m_model.mesh(), m_model.material(), loads.of->held);
   }
-  std::size_t bytes = m_model.bytes() + m_system->bytes();
-  for (std::size_t n = 0; n < m_loads->size(); ++n) {
-    NodalLoads& one = (*m_loads)[n];
-    if (m_is_still[n]) {
-      all.emplace_back().residual_mn.resize(3 * one.held.size());
-      all.back().u_mm.resize(3 * one.held.size());
-      continue;
-    }
-    all.push_back(params.doublings > 0
-                      ? by_coarse_elements(one, params.doublings, limits, may_be_rough, progress)
-                      : by_voxels(n, limits, may_be_rough, progress));
-    const std::size_t kept = m_by_voxels[n] ? all.back().bytes : 0;
-    all.back().bytes += bytes;
-    bytes += kept + 2 * sizeof(double) * all.back().u_mm.size();
+  out = params.doublings > 0
+            ? by_coarse_elements(*loads.of, params.doublings, limits, may_be_rough, progress)
+            : by_voxels(loads, limits, may_be_rough, progress);
+  out.bytes += m_model.bytes() + m_system->bytes();
+  for (const Loads& other : m_loads) {
+    if (&other != &loads && other.by_voxels) out.bytes += other.by_voxels->bytes();
   }
-  return all;
+  return out;
 }
 
 }  // namespace supple

@@ -13,26 +13,35 @@ namespace supple {
 
 class LevelSolver {
  public:
-  /// `model`, its joints as they are, and `loads` must outlive this. All loads hold the same
-  /// components.
-  LevelSolver(const FemModel& model, std::vector<NodalLoads>& loads);
+  /// `model`, its joints as they are, must outlive this.
+  explicit LevelSolver(const FemModel& model) : m_model(model) {}
 
-  /// FemModel::solve_beside(), with elements at most as large as those of the call before. Starts
-  /// from loads.u_mm, which it takes, or goes on where the call before ended by voxels.
-  /// `may_be_rough`: what `params` allow no more iterations for is a solution, too. Throws as it.
-  std::vector<NodalSolution> solve(const FemParams& params, bool may_be_rough, Progress* progress);
+  /// Takes further loads, which must outlive this and hold the same components as the others.
+  /// Throws Cancelled.
+  void add(NodalLoads& loads);
+  /// Makes ready what all loads share for elements of 2^doublings voxels. Throws Cancelled, all as
+  /// it was.
+  void prepare(int doublings, Progress* progress);
+  /// The solution of the n-th loads by elements of params.doublings. Starts from their u_mm, which
+  /// it takes; by voxels it goes on where the call before ended. `may_be_rough`: what `params`
+  /// allow no more iterations for is a solution, too. Throws NotConverged, Cancelled, after which
+  /// solutions by voxels can go on.
+  NodalSolution solve(std::size_t n, const FemParams& params, bool may_be_rough,
+                      Progress* progress);
 
  private:
+  struct Loads {
+    NodalLoads* of;
+    bool is_still;                                  // nothing moves the body: it stays
+    std::unique_ptr<ConjugateGradients> by_voxels;  // while the solution is rough
+  };
   NodalSolution by_coarse_elements(NodalLoads& loads, int doublings, const CgLimits& limits,
                                    bool may_be_rough, Progress* progress);
-  NodalSolution by_voxels(std::size_t number, CgLimits limits, bool may_be_rough,
-                          Progress* progress);
+  NodalSolution by_voxels(Loads& loads, CgLimits limits, bool may_be_rough, Progress* progress);
 
   const FemModel& m_model;
-  std::vector<NodalLoads>* m_loads;
+  std::vector<Loads> m_loads;
   std::unique_ptr<VoxelSystem> m_system;
-  std::vector<bool> m_is_still;
-  std::vector<std::unique_ptr<ConjugateGradients>> m_by_voxels;  // of loads whose solution is rough
   double m_ritz_value = 1;  // the smallest that solutions by voxels have seen
 };
 

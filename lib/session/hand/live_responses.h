@@ -10,7 +10,8 @@
 // end, each started from the one before. Then found() has the solutions of the last level, for the
 // step that the hand ends with. A direction is a target of the handle, such as a shift along each
 // axis of a view, or turns by 90 and 180 degrees about the axis of a ring: two span all targets of
-// their plane or ring.
+// their plane or ring. Further directions may come at any time: they are brought to the level of
+// the others, then all go on together. All have the same bits whenever they came.
 //
 // Memory: of the best level, and of what poses still have, 12 bytes per element and direction;
 // while one is found, 12 of the one before it, what solvers take (44 bytes per unknown and
@@ -18,6 +19,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -29,17 +31,19 @@
 
 namespace supple {
 
+class LevelSolver;
+
 /// No body has more levels.
 constexpr int kAllLevels = 8;
 
-/// Responses of one level.
+/// The best responses so far.
 struct LiveLevel;
 
 /// A target of the hand in the responses of a level, which it keeps.
 struct LivePose {
   std::shared_ptr<const LiveLevel> of;
-  int level = -1;      // of those that are there, from 0; -1: none is yet
-  int doublings = -1;  // elements of 2^doublings voxels
+  int level = -1;      // number of the better ones that came before it; -1: none is there yet
+  int doublings = -1;  // elements of 2^doublings voxels, the largest of all directions
   /// 95th percentile of the displacement's error beside elements of one voxel, where a direction
   /// moves the body by a twentieth of its largest displacement at least; estimated from the change
   /// since the level before, infinite at the first level, 0 at the last.
@@ -56,10 +60,16 @@ class LiveResponses {
   LiveResponses(const SessionBody& in, const Step& grab, std::vector<DragPose> directions);
   ~LiveResponses();
 
-  /// Finds all levels, or the first ones. `ahead`: the solid, where somebody has made it; null:
-  /// not. Throws NotConverged, Cancelled: what is there stays.
+  /// Takes a further direction, from the thread that made this; run() finds it, too, or another one
+  /// does after it. Throws InputError as such a step does.
+  void add(const SessionBody& in, const Step& grab, DragPose direction);
+  /// True where a direction waits for a run().
+  bool has_asked() const { return m_has_asked; }
+
+  /// Finds all levels, or until so many are ready. `ahead`: the solid, where somebody has made it;
+  /// null: not. Throws NotConverged, Cancelled: what is there stays.
   void run(Progress* progress, std::shared_ptr<KeptVoxels> ahead = nullptr,
-           int levels = kAllLevels);
+           int levels = std::numeric_limits<int>::max());
 
   std::size_t elements() const { return std::size_t(m_body.elements.active_count()); }
   /// The number of levels that are there, and whether the last one is.
@@ -79,16 +89,17 @@ class LiveResponses {
   std::size_t bytes() const;
 
  private:
+  struct Direction;
   using Affine = std::array<double, 12>;  // shift, and linear map in rows, about m_about_mm
   Affine affine_of(const DragPose& pose) const;
-  std::vector<NodalLoads> loads(const VoxelFemModel& model, const FemTask& task,
-                                Progress* progress);
-  std::shared_ptr<LiveLevel> level_of(const VoxelFemModel& model,
-                                      const std::vector<NodalLoads>& loads,
-                                      const std::vector<NodalSolution>& solutions,
-                                      const LiveLevel* before) const;
-  void publish(std::shared_ptr<const LiveLevel> level);
-  void keep(const std::vector<NodalLoads>& loads, std::vector<NodalSolution> solutions);
+  void take(const SessionBody& in, const Step& grab, DragPose direction);
+  void make_solid(const FemTask& task, std::shared_ptr<KeptVoxels> ahead, Progress* progress);
+  void take_asked(const FemTask& task, Progress* progress);
+  std::vector<NodalLoads> loads(const std::vector<std::vector<Handle>>& handles,
+                                const FemTask& task, Progress* progress);
+  bool solve_level(int number, const FemParams& params, Progress* progress);
+  void publish(int number);
+  void keep();
 
   Body m_body;
   PieceFits m_fits;
@@ -98,17 +109,21 @@ class LiveResponses {
   std::vector<Region> m_anchors;
   Holds m_holds;
   FemStep m_step;
-  std::shared_ptr<KeptVoxels> m_voxels;        // of the session, or null
-  std::vector<std::vector<Handle>> m_handles;  // where it is, and of each direction
+  std::shared_ptr<KeptVoxels> m_voxels;  // of the session, or null
   std::vector<PieceMotion> m_pieces;
   Vec3d m_about_mm{0, 0, 0};  // the middle of the handle
   double m_radius_mm = 0;
-  std::vector<Affine> m_directions;  // as m_handles
-  std::vector<bool> m_is_handle;     // per held set of loads
-  mutable std::mutex m_mutex;
+  std::vector<bool> m_is_handle;  // per held set of loads
+  std::unique_ptr<LevelSolver> m_solver;
+  std::vector<std::unique_ptr<Direction>> m_found;  // where the handle is, then each direction
+  std::shared_ptr<FemResponses> m_kept;
+  std::atomic<bool> m_has_asked{false};
+  mutable std::mutex m_mutex;                // for all below
+  std::vector<std::vector<Handle>> m_asked;  // that run() has not taken, in the order of m_ways
+  std::vector<Affine> m_ways;                // of directions
   std::shared_ptr<const LiveLevel> m_best;
   int m_ready = 0;
-  std::shared_ptr<const FemResponses> m_found;
+  std::shared_ptr<const FemResponses> m_all;  // once all directions have their last level
 };
 
 }  // namespace supple

@@ -77,7 +77,12 @@ TEST_F(UnitHandLead, AFastAndASlowMachineMakeTheSameStateAndSoDoJournalAndScene)
   const std::vector<std::string> stroke = {kGrab, drag_to("[1, 0, 0.5]"), drag_to("[2, 0, 1]")};
   const auto slow = led(stroke), fast = led(stroke);
   wait_for_all_levels(*fast);
-  carry_out(*fast, {drag_to("[3, 0.5, 1]"), "kind = \"release\""});
+  // A third direction is found while the hand is still there.
+  carry_out(*fast, {drag_to("[3, 0.5, 1]")});
+  wait_for_all_levels(*fast);
+  EXPECT_LE(fast->lead()->state().pose.beyond_mm, 1e-6);
+  EXPECT_EQ(fast->lead()->state().pose.parts.size(), 3u);
+  carry_out(*fast, {"kind = \"release\""});
   carry_out(*slow, {drag_to("[3, 0.5, 1]"), "kind = \"release\""});
   EXPECT_EQ(slow->history().done.size(), 1u);  // the floor: the stroke is still to be done
   EXPECT_TRUE(slow->has_more());

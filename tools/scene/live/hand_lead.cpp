@@ -68,11 +68,14 @@ HandLead::HandLead(const SessionBody& in, const Step& grab, const std::vector<Ve
   m_thread = std::thread([this, ahead = std::move(ahead)] {
     Listening progress(m_is_cancelled);
     try {
-      m_live.run(&progress, ahead ? ahead->voxels(&progress) : nullptr);
+      const std::shared_ptr<KeptVoxels> solid = ahead ? ahead->voxels(&progress) : nullptr;
+      for (; !m_is_cancelled; std::this_thread::sleep_for(5ms)) {
+        if (m_live.has_asked()) m_live.run(&progress, solid);
+      }
     } catch (...) {
       m_failure = std::current_exception();
+      m_has_failed = true;
     }
-    m_is_over = true;
   });
 }
 
@@ -115,11 +118,8 @@ LeadState HandLead::state() const {
 }
 
 std::shared_ptr<const FemResponses> HandLead::found(Progress* progress) {
-  while (!m_is_over) {
-    poll(progress);
-    std::this_thread::sleep_for(5ms);
-  }
-  if (m_failure) std::rethrow_exception(m_failure);
+  for (; is_finding(); std::this_thread::sleep_for(5ms)) poll(progress);
+  if (m_has_failed) std::rethrow_exception(m_failure);
   return m_live.found();
 }
 

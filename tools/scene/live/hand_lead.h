@@ -54,6 +54,11 @@ class HandLead {
   /// Cancels what is still being found.
   ~HandLead();
 
+  /// Finds the responses of a further direction, too. Throws as LiveResponses; for the thread of
+  /// the session.
+  void add(const SessionBody& in, const Step& grab, const Vec3d& direction) {
+    m_live.add(in, grab, {direction, {}});
+  }
   /// The hand is there, in mm along the grid axes from where it grabbed.
   void lead_to(const Vec3d& by_mm) {
     m_target = {by_mm, {}};
@@ -70,7 +75,7 @@ class HandLead {
   /// that it has not shown.
   bool is_changing() const { return m_is_led && (m_part < 1 || m_live.ready() - 1 != m_level); }
   /// True until the last level is there, or cannot be found.
-  bool is_finding() const { return !m_is_over; }
+  bool is_finding() const { return !m_live.is_done() && !m_has_failed; }
   LeadState state() const;
 
   /// The responses, waited for. Throws what finding them threw, Cancelled.
@@ -86,8 +91,8 @@ class HandLead {
   int m_level = -1;   // shown
   double m_part = 1;  // of the way from m_from to m_aim
   Clock::time_point m_since;
-  std::atomic<bool> m_is_cancelled{false}, m_is_over{false};
-  std::exception_ptr m_failure;  // read once m_is_over
+  std::atomic<bool> m_is_cancelled{false}, m_has_failed{false};
+  std::exception_ptr m_failure;  // read once m_has_failed
   std::thread m_thread;
 };
 

@@ -1,5 +1,6 @@
 #include "tools/scene/live/led_stroke.h"
 
+#include <cmath>
 #include <utility>
 
 #include "lib/session/step_model.h"
@@ -12,8 +13,33 @@ namespace {
 /// Shifts along the axes of the grid span all.
 const std::vector<Vec3d> kAxes_mm = {{10, 0, 0}, {0, 10, 0}, {0, 0, 10}};
 
+/// What of a way no direction has is a direction of its own from this part of the way on.
+constexpr double kOwnPart = 1e-6;
+constexpr double kDirection_mm = 10;
+
+/// The direction that a way lacks among these, across them all, in whole thousandths of a mm.
+std::optional<Vec3d> lacking(const Vec3d& way, const std::vector<Vec3d>& directions) {
+  std::vector<Vec3d> across;
+  const auto rest_of = [&](Vec3d rest) {
+    for (int twice = 0; twice < 2; ++twice) {
+      for (const Vec3d& axis : across) rest -= axis * axis.dot(rest);
+    }
+    return rest;
+  };
+  for (const Vec3d& direction : directions) {
+    const Vec3d rest = rest_of(direction);
+    if (rest.length() > kOwnPart * direction.length()) across.push_back(rest / rest.length());
+  }
+  const Vec3d rest = rest_of(way);
+  if (!(rest.length() > kOwnPart * way.length())) return std::nullopt;
+  Vec3d direction = rest * (kDirection_mm / rest.length());
+  for (int a = 0; a < 3; ++a) direction[a] = std::round(direction[a] * 1000) / 1000;
+  return direction;
+}
+
 /// The step that leads what was grabbed there.
-Step stroke_of(const LiveEvent& grab, const LiveEvent& model, const Vec3d& by) {
+Step stroke_of(const LiveEvent& grab, const std::vector<Vec3d>& further, const LiveEvent& model,
+               const Vec3d& by) {
   Step step;
   step.place = grab.place;
   step.drags = grab.step.drags;
@@ -26,6 +52,7 @@ Step stroke_of(const LiveEvent& grab, const LiveEvent& model, const Vec3d& by) {
   take_model(model.step, step);
   step.keys.update(model.step.keys);
   step.fem->directions = grab.directions.empty() ? kAxes_mm : grab.directions;
+  step.fem->directions.insert(step.fem->directions.end(), further.begin(), further.end());
   for (const Vec3d& direction : step.fem->directions) {
     step.keys["fem"]["directions"].push_back(direction);
   }
@@ -57,7 +84,8 @@ void LedStroke::make_solid(const LiveEvent* model) {
 
 void LedStroke::begin(const LiveEvent& model) {
   m_lead.reset();
-  const Step grab = on_grid(stroke_of(*m_hand.grab, model, Vec3d(0)), m_session.geometry());
+  m_further.clear();
+  const Step grab = on_grid(stroke_of(*m_hand.grab, {}, model, Vec3d(0)), m_session.geometry());
   try {
     m_lead = std::make_unique<HandLead>(m_session.held_body(), grab, grab.fem->directions, m_ahead);
   } catch (...) {
@@ -68,7 +96,14 @@ void LedStroke::begin(const LiveEvent& model) {
 
 void LedStroke::lead_by(const LiveEvent& drag, const Vec3d& by, const LiveEvent& model) {
   if (!m_lead) begin(model);
-  Step step = stroke_of(*m_hand.grab, model, by);
+  Step step = stroke_of(*m_hand.grab, m_further, model, by);
+  if (const auto direction = lacking(by, step.fem->directions)) {
+    m_further.push_back(*direction);
+    const Step grab =
+        on_grid(stroke_of(*m_hand.grab, m_further, model, Vec3d(0)), m_session.geometry());
+    m_lead->add(m_session.held_body(), grab, grab.fem->directions.back());
+    step = stroke_of(*m_hand.grab, m_further, model, by);
+  }
   check_places(step, m_session.geometry());
   m_hand.led = {drag.to, drag.to, 0, 0, false, m_session.body().elements.active_count()};
   m_step.reset();

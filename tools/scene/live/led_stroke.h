@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "tools/scene/live/live_session.h"
 
@@ -25,7 +26,8 @@ class LedStroke {
   /// HandLead; nothing is grabbed then.
   void begin(const LiveEvent& model);
   /// The hand is `by` from where it grabbed, in mm along the grid axes. Its target stands whatever
-  /// ChainMail makes of it, which is seen until there is a level.
+  /// ChainMail makes of it, which is seen until there is a level. A target that no direction of the
+  /// grab leads to has one of its own found.
   void lead_by(const LiveEvent& drag, const Vec3d& by, const LiveEvent& model);
   /// The responses, while something is grabbed and until the stroke is done; or null.
   HandLead* lead() const { return m_lead.get(); }
@@ -54,6 +56,7 @@ class LedStroke {
   LiveHand& m_hand;
   std::shared_ptr<AheadThread> m_ahead;
   std::unique_ptr<HandLead> m_lead;
+  std::vector<Vec3d> m_further;  // directions of the stroke beside those of the grab
   std::optional<DoneStep> m_step;
 };
 

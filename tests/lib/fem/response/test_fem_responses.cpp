@@ -1,5 +1,6 @@
 // Sums of responses against fresh solutions of the same motions.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -36,6 +37,18 @@ ElasticTable even_elastic() {
   table.poisson.fill(0.4);
   return table;
 }
+
+/// Cancels once, after so many questions.
+class CancelAfter final : public Progress {
+ public:
+  explicit CancelAfter(int polls) : m_left(polls) {}
+  void stage(std::string_view) override {}
+  void update(double) override {}
+  bool cancelled() const override { return --m_left < 0; }
+
+ private:
+  mutable std::atomic<int> m_left;
+};
 
 /// A turn, a scale and a shift about a point, of any size.
 std::function<Vec3d(const Vec3d&)> random_motion(std::mt19937& random, const Vec3d& about) {
@@ -251,7 +264,8 @@ TEST(PropertyFemResponses, LevelsAfterEachOtherHaveTheBitsOfEachAlone) {
   NodalLoads still = moved;
   std::fill(still.u_mm.begin(), still.u_mm.end(), 0.0);
   std::vector<NodalLoads> both = {still, moved};
-  LevelSolver solver(model, both);
+  LevelSolver solver(model);
+  for (NodalLoads& one : both) solver.add(one);
   const int deepest = int(model.levels().meshes.size()) - 1;
   EXPECT_GE(deepest, 2);
   for (int doublings = deepest; doublings >= 0; --doublings) {
@@ -259,31 +273,43 @@ TEST(PropertyFemResponses, LevelsAfterEachOtherHaveTheBitsOfEachAlone) {
     params.doublings = doublings;
     params.tolerance = 1e-4;
     both = {still, moved};
-    const std::vector<NodalSolution> one_after_the_other = solver.solve(params, false, nullptr);
+    solver.prepare(doublings, nullptr);
+    const NodalSolution of_still = solver.solve(0, params, false, nullptr);
+    const NodalSolution of_moved = solver.solve(1, params, false, nullptr);
     const NodalSolution alone = model.solve_beside({moved}, params).front();
     EXPECT_GT(alone.iterations, 0);
-    EXPECT_EQ(one_after_the_other[1].iterations, alone.iterations) << doublings;
-    EXPECT_TRUE(one_after_the_other[1].u_mm == alone.u_mm) << doublings;
-    EXPECT_TRUE(one_after_the_other[0].u_mm == still.u_mm);
+    EXPECT_EQ(of_moved.iterations, alone.iterations) << doublings;
+    EXPECT_TRUE(of_moved.u_mm == alone.u_mm) << doublings;
+    EXPECT_TRUE(of_still.u_mm == still.u_mm);
   }
-  // Few iterations are a solution only where that is allowed.
-  FemParams few;
-  few.max_iterations = 1;
-  std::vector<NodalLoads> rough = {moved}, strict = {moved};
-  LevelSolver by_steps(model, rough);
-  EXPECT_EQ(by_steps.solve(few, true, nullptr).front().iterations, 1);
-  EXPECT_THROW(LevelSolver(model, strict).solve(few, false, nullptr), NotConverged);
-  // Those that are allowed later go on as if there had been no end.
-  few.max_iterations = 4;
-  const NodalSolution gone_on = by_steps.solve(few, true, nullptr).front();
-  rough = {moved};
-  const NodalSolution at_once = LevelSolver(model, rough).solve(few, true, nullptr).front();
-  EXPECT_EQ(gone_on.iterations, 4);
-  EXPECT_EQ(at_once.iterations, 4);
+  // Few iterations are a solution only where that is allowed; what is allowed later, or is
+  // interrupted, goes on as if there had been no end.
+  const auto solved = [&](const std::vector<int>& allowed, bool may_be_rough, int polls = 0) {
+    NodalLoads one = moved;
+    LevelSolver by_steps(model);
+    by_steps.add(one);
+    by_steps.prepare(0, nullptr);
+    NodalSolution out;
+    for (const int iterations : allowed) {
+      FemParams few;
+      few.max_iterations = iterations;
+      CancelAfter cancel(polls);
+      if (polls > 0) {
+        EXPECT_THROW(by_steps.solve(0, few, may_be_rough, &cancel), Cancelled);
+      }
+      out = by_steps.solve(0, few, may_be_rough, nullptr);
+      EXPECT_EQ(out.iterations, iterations);
+    }
+    return out.u_mm;
+  };
+  EXPECT_THROW(solved({1}, false), NotConverged);
+  const std::vector<double> at_once = solved({4}, true);
+  EXPECT_TRUE(solved({4}, true, 30) == at_once);
+  const std::vector<double> gone_on = solved({1, 4}, true);
   double largest = 0, apart = 0;
-  for (std::size_t n = 0; n < at_once.u_mm.size(); ++n) {
-    largest = std::max(largest, std::abs(at_once.u_mm[n]));
-    apart = std::max(apart, std::abs(at_once.u_mm[n] - gone_on.u_mm[n]));
+  for (std::size_t n = 0; n < at_once.size(); ++n) {
+    largest = std::max(largest, std::abs(at_once[n]));
+    apart = std::max(apart, std::abs(at_once[n] - gone_on[n]));
   }
   EXPECT_LE(apart, 1e-6 * largest);
 }

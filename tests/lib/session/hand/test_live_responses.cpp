@@ -223,6 +223,69 @@ TEST_F(UnitLiveResponses, ASolidThatIsMadeAheadIsTakenAndChangesNoBits) {
   EXPECT_NE(after.found()->voxels, ahead.voxels());
 }
 
+TEST_F(UnitLiveResponses, AFurtherDirectionHasTheBitsOfOneFromTheStartWheneverItCame) {
+  Session session(m_folder / "block.nhdr", m_options);
+  Step grab = moved({0, 0, 0}), rest;
+  grab.drags[0].soft_mm = 0;
+  rest.fix = std::exchange(grab.fix, {});
+  session.step(rest);
+  SessionBody& in = session.held_body();
+  const DragPose x{{10, 0, 0}, {}}, z{{0, 0, 10}, {}}, target{{2, 0, -1}, {}};
+  const auto at = [&](const LiveResponses& of, const LivePose& pose) {
+    std::vector<Vec3f> u(of.elements());
+    of.displacements(pose, 0, u.size(), u.data());
+    return u;
+  };
+  LiveResponses both(in, grab, {x, z});
+  both.run(nullptr);
+  const std::vector<Vec3f> best = at(both, both.pose(target));
+
+  /// Asks for a direction at the n-th question whether to go on.
+  struct Asking final : Progress {
+    std::function<void()> ask;
+    mutable int questions = 0;
+    void stage(std::string_view) override {}
+    void update(double) override {}
+    bool cancelled() const override {
+      if (--questions == 0) ask();
+      return false;
+    }
+  };
+  for (const int questions : {2, 150, 400, 1'000'000}) {
+    LiveResponses later(in, grab, {x});
+    Asking asking;
+    asking.questions = questions;
+    asking.ask = [&] {
+      EXPECT_FALSE(later.is_done());
+      later.add(in, grab, z);
+    };
+    later.run(&asking);
+    EXPECT_TRUE(later.is_done());
+    if (asking.questions > 0) {  // it comes after all levels
+      EXPECT_GT(later.pose(target).beyond_mm, 0.5);
+      later.add(in, grab, z);
+      EXPECT_FALSE(later.is_done());
+      EXPECT_GT(later.pose(target).beyond_mm, 0.5);
+      later.run(nullptr);
+    }
+    const LivePose pose = later.pose(target);
+    EXPECT_LE(pose.beyond_mm, 1e-9);
+    EXPECT_EQ(pose.error_mm, 0);
+    EXPECT_EQ(at(later, pose), best) << questions;
+    Session one(m_folder / "block.nhdr", m_options), other(m_folder / "block.nhdr", m_options);
+    Step release = moved(target.by_mm);
+    release.drags[0].soft_mm = 0;
+    release.fix.clear();
+    one.step(rest);
+    other.step(rest);
+    one.held_body().responses = both.found();
+    other.held_body().responses = later.found();
+    EXPECT_EQ(one.step(release).equilibrium.report.responses->solved, 0);
+    EXPECT_EQ(other.step(release).equilibrium.report.responses->solved, 0);
+    EXPECT_EQ(largest_difference(one.body(), other.body()), 0);
+  }
+}
+
 TEST_F(UnitLiveResponses, ResponsesToATwentiethOfAVoxelServeTheStepToSuch) {
   const auto by_accuracy = [](Step step, FemAccuracy accuracy) {
     step.fix.clear();

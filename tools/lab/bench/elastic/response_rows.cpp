@@ -69,7 +69,7 @@ BenchRow measure_responses(const ResponseRow& row, const FemProblem& problem, in
       for (const Vec3d& at : at_centres(model.mesh(), solutions.front().u_mm)) {
         for (int a = 0; a < 3; ++a) values.push_back(float(at[a]));
       }
-      field.add(std::move(values));
+      field.add(std::make_shared<const std::vector<float>>(std::move(values)));
       parts.push_back(1 + 0.1 * n);
     }
     std::vector<Vec3f> out(std::size_t(model.mesh().element_count()));
