@@ -5,6 +5,7 @@
 #include "lib/session/fem/motion_step.h"
 #include "lib/session/fem_limits.h"
 #include "lib/session/fem_step.h"
+#include "lib/session/handles/drag.h"
 #include "lib/session/kept_voxels.h"
 #include "lib/session/tet_step.h"
 #include "volumes/base/value.h"
@@ -192,7 +193,9 @@ Value settings_value(const FemStep& step) {
     for (const Vec3i& voxel : copy.motion->watch) value["motion"]["watch"].push_back(voxel);
   }
   if (copy.hand_levels > 0) value["hand_levels"] = copy.hand_levels;
-  for (const Vec3d& direction : copy.directions) value["directions"].push_back(direction);
+  for (const HandDirection& direction : copy.directions) {
+    value["directions"].push_back(direction.value());
+  }
   if (copy.modes) value["modes"] = fields_value(fields(*copy.modes));
   if (copy.tets) value.update(settings_value(*copy.tets));
   for (FemLoad& load : copy.loads) {
@@ -201,6 +204,20 @@ Value settings_value(const FemStep& step) {
     value[std::string(name_of(load.kind)) + "s"].push_back(std::move(entry));
   }
   return value;
+}
+
+DragPose HandDirection::pose(const Geometry& geometry) const {
+  if (turn_deg == 0) return {way, {}};
+  HandleMotion turn;
+  turn.axis_lps = geometry.world_vector_from_index(way / geometry.spacing_mm());
+  turn.angle_deg = turn_deg;
+  return {Vec3d(0), turn};
+}
+
+Value HandDirection::value() const {
+  Value row = Value::List{way.x, way.y, way.z};
+  if (turn_deg != 0) row.push_back(turn_deg);
+  return row;
 }
 
 }  // namespace supple

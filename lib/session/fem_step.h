@@ -15,6 +15,8 @@
 
 namespace supple {
 
+class Geometry;       // volumes/geometry/geometry.h
+struct DragPose;      // lib/session/handles/drag.h
 struct FemResponses;  // lib/session/kept_voxels.h
 struct TetRecord;     // lib/session/tet_record.h
 struct TetStep;       // lib/session/tet_step.h
@@ -37,6 +39,17 @@ struct FemLoad {
 /// admissible ones, or keep them.
 enum class LinksBeyond { project, keep };
 
+/// A shift of a handle in mm along the grid axes, or a turn by so many degrees about such an axis
+/// through the handle's middle. Two turns of an axis, by 90 and 180 degrees, span all about it.
+struct HandDirection {
+  Vec3d way{0, 0, 0};
+  double turn_deg = 0;
+
+  DragPose pose(const Geometry& geometry) const;
+  /// [x, y, z], or [x, y, z, degrees].
+  Value value() const;
+};
+
 struct FemStep {
   FemParams params;
   LinksBeyond links_beyond = LinksBeyond::project;
@@ -50,10 +63,9 @@ struct FemStep {
   std::optional<ModeStep> modes;     // instead of an equilibrium
   std::optional<MotionStep> motion;  // likewise
   bool keeps_nodes = false;          // for a motion that the next step is to have
-  /// Shifts of the only handle, in mm along the grid axes, whose responses are found before, so
-  /// that the step is a sum of them: as a hand has them that is followed. `responses`: they are
-  /// found already.
-  std::vector<Vec3d> directions;
+  /// Targets of the only handle whose responses are found before, so that the step is a sum of
+  /// them: as a hand has them that is followed. `responses`: they are found already.
+  std::vector<HandDirection> directions;
   std::shared_ptr<const FemResponses> responses;
   int hand_levels = 0;  // the body is as a hand has it that so many levels of responses follow
   std::shared_ptr<TetStep> tets;  // tetrahedra instead of voxels, in equilibrium

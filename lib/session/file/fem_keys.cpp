@@ -37,10 +37,13 @@ void read_loads(Table& table, const LabelNames& names, FemStep& fem) {
   }
 }
 
-std::vector<Vec3d> read_directions(Table& table) {
-  std::vector<Vec3d> directions;
-  if (const auto rows = table.rows("directions", {3}, "a list of [x, y, z] in mm")) {
-    for (const std::vector<double>& row : *rows) directions.emplace_back(row[0], row[1], row[2]);
+std::vector<HandDirection> read_directions(Table& table) {
+  std::vector<HandDirection> directions;
+  if (const auto rows =
+          table.rows("directions", {3, 4}, "a list of [x, y, z] in mm or [x, y, z, degrees]")) {
+    for (const std::vector<double>& row : *rows) {
+      directions.push_back({Vec3d(row[0], row[1], row[2]), row.size() == 4 ? row[3] : 0});
+    }
   }
   if (directions.size() > kMostDirections) {
     table.fail("directions", std::to_string(directions.size()),

@@ -10,8 +10,8 @@ namespace supple {
 
 /// Throws InputError as Table, and for loads that name no elements.
 FemStep read_fem(Table& table, const LabelNames& names);
-/// Reads `directions`, shifts in mm, at most twelve; without the key none.
-std::vector<Vec3d> read_directions(Table& table);
+/// Reads `directions`, at most twelve; without the key none.
+std::vector<HandDirection> read_directions(Table& table);
 /// Reads the loads alone.
 void read_loads(Table& table, const LabelNames& names, FemStep& fem);
 

@@ -24,7 +24,9 @@ constexpr double kFineTolerance = 1e-6;
 /// The responses of the handle in the directions of the step, before it moves.
 std::shared_ptr<const FemResponses> responses_of(const ModelTask& task) {
   std::vector<DragPose> directions;
-  for (const Vec3d& by_mm : task.record.fem->directions) directions.push_back({by_mm, {}});
+  for (const HandDirection& direction : task.record.fem->directions) {
+    directions.push_back(direction.pose(task.in.body.geometry));
+  }
   LiveResponses live(task.in, task.record, std::move(directions));
   live.run(task.progress);
   return live.found();

@@ -105,6 +105,42 @@ TEST_F(UnitHandLead, AFastAndASlowMachineMakeTheSameStateAndSoDoJournalAndScene)
   EXPECT_EQ(body.q[1].at(middle), kFixedOne / 2);
 }
 
+TEST_F(UnitHandLead, TurnsOfABoneAreFollowedAboutTheirAxis) {
+  const auto live =
+      led({"kind = \"step\"\nrigid = [{ name = \"bone\", grab_box = [8, 11, 12, 15, 12, 13] }]",
+           "kind = \"grab\"\nrigid_at = [9, 11, 12]\ndirections = [[10, 0, 0], [0, 0, 10]]",
+           drag_to("[0.5, 0, 0]")});
+  wait_for_all_levels(*live);
+  carry_out(*live, {drag_to("[0.5, 0, 0.25]\nturn = [0, 20, 0]")});
+  wait_for_all_levels(*live);
+  EXPECT_EQ(live->lead()->state().pose.parts.size(), 4u);
+  // Another angle about the same axis, and a third axis, which is not looked for.
+  carry_out(*live, {drag_to("[0.5, 0, 0]\nturn = [0, -30, 0]")});
+  EXPECT_TRUE(live->lead()->state().is_done);
+  EXPECT_LE(live->lead()->state().pose.beyond_mm, 1e-6);
+  carry_out(*live,
+            {drag_to("[0.5, 0, 0]\nturn = [10, 0, 0]"), drag_to("[0.5, 0, 0]\nturn = [0, 0, 10]"),
+             drag_to("[0.5, 0, 0.25]\nturn = [0, 15, 0]")});
+  wait_for_all_levels(*live);
+  EXPECT_EQ(live->lead()->state().pose.parts.size(), 6u);
+  EXPECT_LE(live->lead()->state().pose.beyond_mm, 1e-6);
+  const auto now = HandLead::Clock::now();
+  live->lead()->shape(now);
+  const BodyShape shown = *live->lead()->shape(now + 1s);
+  carry_out(*live, {"kind = \"release\""});
+  finish(*live);
+  const Body& body = live->session().body();
+  EXPECT_NEAR(body.rigid.list.front().pose.turn.angle_deg(), 15, 1e-3);
+  for_each_element(body.elements, [&](Slot slot) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      ASSERT_NEAR(double(shown[c].at(slot)), double(body.q[c].at(slot)), 0.01 * kFixedOne);
+    }
+  });
+  const std::string state = hash(*live);
+  EXPECT_EQ(replayed(live->journal()), state);
+  EXPECT_EQ(replayed(live->batch_scene()), state);
+}
+
 TEST_F(UnitHandLead, PicturesFollowWhileTheStateWaitsAndBlendIntoThePose) {
   const auto live = led({kGrab, drag_to("[2, 0, 0]")});
   const std::string before = hash(*live);

@@ -54,8 +54,8 @@ struct LiveEvent {
   int handle = 0, anchor = 0, cut = 0;  // of release: the only one, from 1; 0: none
   int remove = 0;                       // of measure, likewise
   Limits limits = Limits::box;
-  bool under_hand = false;        // of model: it moves what is dragged, live
-  std::vector<Vec3d> directions;  // of grab: shifts in mm whose responses are found for that
+  bool under_hand = false;                // of model: it moves what is dragged, live
+  std::vector<HandDirection> directions;  // of grab: those whose responses are found for that
   /// Its keys are those of a [[step]]; of grab and push its one handle, which does not move.
   Step step;
   Value view;  // of camera, look and clip: the keys of that part of a view; of measure: its own

@@ -52,14 +52,9 @@ std::shared_ptr<KeptVoxels> AheadThread::voxels(const Progress* progress) const 
   return m_solid.voxels();
 }
 
-HandLead::HandLead(const SessionBody& in, const Step& grab, const std::vector<Vec3d>& directions,
+HandLead::HandLead(const SessionBody& in, const Step& grab, std::vector<DragPose> directions,
                    std::shared_ptr<AheadThread> ahead)
-    : m_live(in, grab,
-             [&] {
-               std::vector<DragPose> poses;
-               for (const Vec3d& by_mm : directions) poses.push_back({by_mm, {}});
-               return poses;
-             }()),
+    : m_live(in, grab, std::move(directions)),
       m_elements(in.body),
       m_bricks(in.body.elements.brick_count()) {
   show_before(in.body.q);

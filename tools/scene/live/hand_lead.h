@@ -47,21 +47,21 @@ class HandLead {
  public:
   using Clock = std::chrono::steady_clock;
   /// Begins to find the responses of the handle of `grab`, which is on the grid and moves nothing,
-  /// in these directions, in mm along the grid axes. `ahead`: the solid that is being made, which
+  /// in these directions. `ahead`: the solid that is being made, which
   /// is waited for; null: none is. Throws as LiveResponses.
-  HandLead(const SessionBody& in, const Step& grab, const std::vector<Vec3d>& directions,
+  HandLead(const SessionBody& in, const Step& grab, std::vector<DragPose> directions,
            std::shared_ptr<AheadThread> ahead);
   /// Cancels what is still being found.
   ~HandLead();
 
   /// Finds the responses of a further direction, too. Throws as LiveResponses; for the thread of
   /// the session.
-  void add(const SessionBody& in, const Step& grab, const Vec3d& direction) {
-    m_live.add(in, grab, {direction, {}});
+  void add(const SessionBody& in, const Step& grab, DragPose direction) {
+    m_live.add(in, grab, std::move(direction));
   }
-  /// The hand is there, in mm along the grid axes from where it grabbed.
-  void lead_to(const Vec3d& by_mm) {
-    m_target = {by_mm, {}};
+  /// The hand is there, from where it grabbed.
+  void lead_to(DragPose target) {
+    m_target = std::move(target);
     m_is_led = true;
   }
   bool has_level() const { return m_live.ready() > 0; }

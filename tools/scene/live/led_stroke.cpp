@@ -5,20 +5,29 @@
 
 #include "lib/session/step_model.h"
 #include "tools/scene/live/hand_lead.h"
+#include "tools/scene/live/piece_in_hand.h"
 
 namespace supple::tools {
 
 namespace {
 
 /// Shifts along the axes of the grid span all.
-const std::vector<Vec3d> kAxes_mm = {{10, 0, 0}, {0, 10, 0}, {0, 0, 10}};
-
+const std::vector<HandDirection> kAxes = {{{10, 0, 0}}, {{0, 10, 0}}, {{0, 0, 10}}};
 /// What of a way no direction has is a direction of its own from this part of the way on.
 constexpr double kOwnPart = 1e-6;
 constexpr double kDirection_mm = 10;
+/// Sine of the angle between axes that are one, and axes of a stroke.
+constexpr double kSameAxis = 1e-4;
+constexpr int kMostAxes = 2;
 
-/// The direction that a way lacks among these, across them all, in whole thousandths of a mm.
-std::optional<Vec3d> lacking(const Vec3d& way, const std::vector<Vec3d>& directions) {
+Vec3d rounded(Vec3d v, double parts) {
+  for (int a = 0; a < 3; ++a) v[a] = std::round(v[a] * parts) / parts;
+  return v;
+}
+
+/// The shift that a way along the grid axes lacks among these, across them all.
+std::vector<HandDirection> lacking_shift(const Vec3d& way,
+                                         const std::vector<HandDirection>& directions) {
   std::vector<Vec3d> across;
   const auto rest_of = [&](Vec3d rest) {
     for (int twice = 0; twice < 2; ++twice) {
@@ -26,20 +35,37 @@ std::optional<Vec3d> lacking(const Vec3d& way, const std::vector<Vec3d>& directi
     }
     return rest;
   };
-  for (const Vec3d& direction : directions) {
-    const Vec3d rest = rest_of(direction);
-    if (rest.length() > kOwnPart * direction.length()) across.push_back(rest / rest.length());
+  for (const HandDirection& direction : directions) {
+    if (direction.turn_deg != 0) continue;
+    const Vec3d rest = rest_of(direction.way);
+    if (rest.length() > kOwnPart * direction.way.length()) across.push_back(rest / rest.length());
   }
   const Vec3d rest = rest_of(way);
-  if (!(rest.length() > kOwnPart * way.length())) return std::nullopt;
-  Vec3d direction = rest * (kDirection_mm / rest.length());
-  for (int a = 0; a < 3; ++a) direction[a] = std::round(direction[a] * 1000) / 1000;
-  return direction;
+  if (!(rest.length() > kOwnPart * way.length())) return {};
+  return {{rounded(rest * (kDirection_mm / rest.length()), 1e3)}};
 }
 
-/// The step that leads what was grabbed there.
-Step stroke_of(const LiveEvent& grab, const std::vector<Vec3d>& further, const LiveEvent& model,
-               const Vec3d& by) {
+/// The turns that one about this axis, along the grid axes, lacks among these. Motions about ever
+/// other axes are not followed.
+std::vector<HandDirection> lacking_turns(Vec3d axis, const std::vector<HandDirection>& directions) {
+  axis /= axis.length();
+  int turns = 0;
+  for (const HandDirection& direction : directions) {
+    if (direction.turn_deg == 0) continue;
+    if (direction.way.cross(axis).length() <= kSameAxis * direction.way.length()) return {};
+    ++turns;
+  }
+  if (turns >= 2 * kMostAxes) return {};
+  axis = rounded(axis, 1e6);
+  return {{axis, 90}, {axis, 180}};
+}
+
+}  // namespace
+
+/// The step that leads what was grabbed by so far, in the frame of its handle, and turns it as the
+/// event says; null: where it grabbed.
+Step LedStroke::stroke(const LiveEvent& model, const Vec3d& by, const LiveEvent* drag) const {
+  const LiveEvent& grab = *m_hand.grab;
   Step step;
   step.place = grab.place;
   step.drags = grab.step.drags;
@@ -47,19 +73,20 @@ Step stroke_of(const LiveEvent& grab, const std::vector<Vec3d>& further, const L
   handle.by = by;
   Value handle_keys = handle.keys;
   handle_keys["by"] = by;
+  if (drag != nullptr && m_hand.piece) {
+    m_hand.piece->add_turn(*drag, m_session, step.drags.front(), handle_keys);
+  }
   step.no_relax = true;
   step.keys = {{"handles", Value::List{std::move(handle_keys)}}, {"no_relax", true}};
   take_model(model.step, step);
   step.keys.update(model.step.keys);
-  step.fem->directions = grab.directions.empty() ? kAxes_mm : grab.directions;
-  step.fem->directions.insert(step.fem->directions.end(), further.begin(), further.end());
-  for (const Vec3d& direction : step.fem->directions) {
-    step.keys["fem"]["directions"].push_back(direction);
+  step.fem->directions = grab.directions.empty() ? kAxes : grab.directions;
+  step.fem->directions.insert(step.fem->directions.end(), m_further.begin(), m_further.end());
+  for (const HandDirection& direction : step.fem->directions) {
+    step.keys["fem"]["directions"].push_back(direction.value());
   }
   return step;
 }
-
-}  // namespace
 
 LedStroke::LedStroke(Session& session, LiveHistory& history, LiveHand& hand)
     : m_session(session), m_history(history), m_hand(hand) {}
@@ -85,32 +112,50 @@ void LedStroke::make_solid(const LiveEvent* model) {
 void LedStroke::begin(const LiveEvent& model) {
   m_lead.reset();
   m_further.clear();
-  const Step grab = on_grid(stroke_of(*m_hand.grab, {}, model, Vec3d(0)), m_session.geometry());
+  const Geometry& geometry = m_session.geometry();
+  const Step grab = on_grid(stroke(model, Vec3d(0), nullptr), geometry);
+  std::vector<DragPose> directions;
+  for (const HandDirection& one : grab.fem->directions) directions.push_back(one.pose(geometry));
   try {
-    m_lead = std::make_unique<HandLead>(m_session.held_body(), grab, grab.fem->directions, m_ahead);
+    m_lead =
+        std::make_unique<HandLead>(m_session.held_body(), grab, std::move(directions), m_ahead);
   } catch (...) {
     m_hand.grab.reset();
     throw;
   }
 }
 
+/// Finds directions that the target lacks.
+void LedStroke::lead_further(const Drag& target, const LiveEvent& model) {
+  const Geometry& geometry = m_session.geometry();
+  const Step grab = on_grid(stroke(model, Vec3d(0), nullptr), geometry);
+  std::vector<HandDirection> further = lacking_shift(target.by_mm, grab.fem->directions);
+  if (target.motion.angle_deg != 0) {
+    const Vec3d axis = geometry.index_vector_from_world(target.motion.axis_lps);
+    const auto turns = lacking_turns(axis * geometry.spacing_mm(), grab.fem->directions);
+    further.insert(further.end(), turns.begin(), turns.end());
+  }
+  for (const HandDirection& direction : further) {
+    m_further.push_back(direction);
+    m_lead->add(m_session.held_body(), grab, direction.pose(geometry));
+  }
+}
+
 void LedStroke::lead_by(const LiveEvent& drag, const Vec3d& by, const LiveEvent& model) {
   if (!m_lead) begin(model);
-  Step step = stroke_of(*m_hand.grab, m_further, model, by);
-  if (const auto direction = lacking(by, step.fem->directions)) {
-    m_further.push_back(*direction);
-    const Step grab =
-        on_grid(stroke_of(*m_hand.grab, m_further, model, Vec3d(0)), m_session.geometry());
-    m_lead->add(m_session.held_body(), grab, grab.fem->directions.back());
-    step = stroke_of(*m_hand.grab, m_further, model, by);
-  }
+  const Drag target = on_grid(stroke(model, by, &drag), m_session.geometry()).drags.front();
+  lead_further(target, model);
+  Step step = stroke(model, by, &drag);
   check_places(step, m_session.geometry());
-  m_hand.led = {drag.to, drag.to, 0, 0, false, m_session.body().elements.active_count()};
+  const double turned_deg = asked_deg(drag);
+  m_hand.led = {drag.to,    drag.to, turned_deg,
+                turned_deg, false,   m_session.body().elements.active_count()};
   m_step.reset();
-  if (by != Vec3d(0)) {
+  if (by != Vec3d(0) || turned_deg > 0) {
     m_step = {EventKind::drag, 0, 0, step, m_hand.reached, m_hand.reached + by};
+    m_step->turned_deg = turned_deg;
   }
-  m_lead->lead_to(by);
+  m_lead->lead_to({target.by_mm, target.motion});
   if (m_lead->has_level()) return;
   Step follower;
   follower.drags = step.drags;
@@ -157,7 +202,7 @@ bool LedStroke::take_back() {
   m_hand.reached = m_step->reached_before;
   m_history.undone.push_back(*std::exchange(m_step, {}));
   if (m_hand.grab && m_lead) {
-    m_lead->lead_to(Vec3d(0));
+    m_lead->lead_to({Vec3d(0), {}});
   } else {
     m_lead.reset();
   }

@@ -25,9 +25,9 @@ class LedStroke {
   /// Begins to find the responses of what is grabbed, by the model that this event chose. Throws as
   /// HandLead; nothing is grabbed then.
   void begin(const LiveEvent& model);
-  /// The hand is `by` from where it grabbed, in mm along the grid axes. Its target stands whatever
-  /// ChainMail makes of it, which is seen until there is a level. A target that no direction of the
-  /// grab leads to has one of its own found.
+  /// The hand is `by` from where it grabbed, in the frame of the grab, and has turned a piece as
+  /// `drag` says. Its target stands whatever ChainMail makes of it, which is seen until there is a
+  /// level. Directions that the target lacks are found, too.
   void lead_by(const LiveEvent& drag, const Vec3d& by, const LiveEvent& model);
   /// The responses, while something is grabbed and until the stroke is done; or null.
   HandLead* lead() const { return m_lead.get(); }
@@ -51,12 +51,15 @@ class LedStroke {
   void drop_lead();
 
  private:
+  Step stroke(const LiveEvent& model, const Vec3d& by, const LiveEvent* drag) const;
+  void lead_further(const Drag& target, const LiveEvent& model);
+
   Session& m_session;
   LiveHistory& m_history;
   LiveHand& m_hand;
   std::shared_ptr<AheadThread> m_ahead;
   std::unique_ptr<HandLead> m_lead;
-  std::vector<Vec3d> m_further;  // directions of the stroke beside those of the grab
+  std::vector<HandDirection> m_further;  // directions of the stroke beside those of the grab
   std::optional<DoneStep> m_step;
 };
 

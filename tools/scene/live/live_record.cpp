@@ -41,7 +41,9 @@ Value keys_of_event(const LiveEvent& event) {
     json["limits"] = std::vector<std::string>{"box", "ball", "tighten"}[std::size_t(event.limits)];
   }
   if (event.under_hand) json["under_hand"] = true;
-  for (const Vec3d& direction : event.directions) json["directions"].push_back(direction);
+  for (const HandDirection& direction : event.directions) {
+    json["directions"].push_back(direction.value());
+  }
   json.update(keys_of(event));
   return json;
 }

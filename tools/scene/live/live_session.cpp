@@ -168,16 +168,13 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   if (!m_hand.grab) {
     throw InputError({event.place, "drag", "nothing that is grabbed", "grab or push before it"});
   }
+  if (!m_hand.piece && event.turn != Vec3d(0)) {
+    throw InputError({event.place, "turn", "a handle of no rigid piece", "rigid_at in the grab"});
+  }
   const Vec3d by = event.to - m_hand.reached;
+  if (is_under_hand()) return m_led->lead_by(event, by, *m_model);
   const bool begins = m_history.done.empty() || m_history.done.back().kind != EventKind::drag ||
                       m_history.done.back().stroke != m_history.hand_stroke;
-  if (is_under_hand()) {
-    if (event.turn != Vec3d(0)) {
-      throw InputError({event.place, "turn", "a turn with finite elements under the hand",
-                        "a shift, or another model"});
-    }
-    return m_led->lead_by(event, by, *m_model);
-  }
   Step step;
   step.place = event.place;
   step.drags = m_hand.grab->step.drags;
@@ -186,9 +183,6 @@ void LiveSession::drag(const LiveEvent& event, Progress* progress) {
   Value handle_keys = handle.placed->keys;
   handle_keys["by"] = by;
   if (handle.pushes) handle_keys["push"] = handle.placed->keys["push"] = true;
-  if (!m_hand.piece && event.turn != Vec3d(0)) {
-    throw InputError({event.place, "turn", "a handle of no rigid piece", "rigid_at in the grab"});
-  }
   const bool turns = m_hand.piece && m_hand.piece->add_turn(event, *m_session, handle, handle_keys);
   if (by == Vec3d(0) && !turns) return;
   step.no_relax = true;
