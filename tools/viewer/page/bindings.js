@@ -91,6 +91,7 @@ export const kGestures = [
   ['Touch: one finger', 'Rotate; in slices the crosshair'],
   ['Touch: two fingers', 'Move and zoom'],
   ['Touch: long press, then drag', 'Grab'],
+  ['Grab: click on a bone', 'Take it: rings turn it, the dot moves it, a click beside them keeps it'],
   ['While grabbing: wheel', 'Size of the handle'],
   ['While grabbing: right click', 'Cancel, and restore what was'],
 ];

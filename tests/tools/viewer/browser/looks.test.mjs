@@ -277,7 +277,7 @@ step('the next CT is looked at as the last one, MR otherwise, a link otherwise; 
   // Another page, and this one once it is loaded again, see the session as it is.
   await choose('preset', 'Muscle');
   await view.until('another look', '$scene.view.preset === "Muscle" && $carriedOut >= $sent');
-  await page.eval(`localStorage.setItem('supple.looks', JSON.stringify({CT: {preset: 'Bone', window: 80, level: 40}}))`);
+  await page.eval(`localStorage.setItem('supple.looks', JSON.stringify({CT: {preset: 'CT-Fat', window: 80, level: 40}}))`);
   await page.reload();
   await view.until('the page is there', 'window.supple && $scene && $views["3d"].count', 30);
   await view.settled(60);
@@ -296,7 +296,7 @@ step('the next CT is looked at as the last one, MR otherwise, a link otherwise; 
   await view.until('the look of MR is there', '$scene.view.preset === "MR-Angio"');
 
   await start();
-  await view.until('that of CT is there', '$scene.view.preset === "Bone" && $scene.slices.window === 80');
+  await view.until('that of CT is there', '$scene.view.preset === "CT-Fat" && $scene.slices.window === 80');
   await page.clickOn('#remembered button');
   await view.until('it is as the program has it', `$scene.view.preset === 'Skin' && $scene.slices.window === ${first.window}`);
   assert.match(await said(), /^Nothing is remembered for CT/);
