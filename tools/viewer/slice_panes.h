@@ -13,6 +13,7 @@
 #include "tools/scene/file/slice_view.h"
 #include "tools/scene/pictures/picture_options.h"
 #include "tools/viewer/frame_message.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 
