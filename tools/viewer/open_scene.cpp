@@ -75,8 +75,19 @@ void OpenScene::keep(std::unique_ptr<KeptJournal> journal) {
 
 void OpenScene::begin_outside() {
   if (are_hounsfield_units(picture().opened().density.background())) {
-    m_live.begin_with_look("Skin");
+    m_live.begin_with_look({{"preset", "Skin"}});
   }
+}
+
+bool OpenScene::begin_with_look(const Value& look) {
+  if (std::exchange(m_was_begun, true) || !m_live.begin_with_look(look)) return false;
+  m_loop.set_frame(frame_for(m_settings, m_budget_ms));
+  m_is_told = false;
+  return true;
+}
+
+void OpenScene::note_opening(const OpenedFile& file, int number) {
+  m_description.note_opening(file, number);
 }
 
 void OpenScene::page_left(int page, double at_ms) {

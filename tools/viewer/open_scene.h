@@ -11,6 +11,7 @@
 #include "tools/viewer/curtain.h"
 #include "tools/viewer/frame_encoder.h"
 #include "tools/viewer/kept_sessions.h"
+#include "tools/viewer/opened_file.h"
 #include "tools/viewer/page_progress.h"
 #include "tools/viewer/scene_json.h"
 
@@ -52,8 +53,10 @@ class OpenScene final : public LoopWatcher {
   void keep(std::unique_ptr<KeptJournal> journal);
   /// Begins CT without a given look with the skin: bone hides where soft tissue moves.
   void begin_outside();
-  /// Notes what was assumed when the scene was opened, which the pages tell.
-  void assume(const std::string& text) { m_description.assume(text); }
+  /// Begins with the look that a page remembers, once; false where one was chosen.
+  bool begin_with_look(const Value& look);
+  /// Notes what the pages tell of the file; `number` counts those that were opened.
+  void note_opening(const OpenedFile& file, int number);
   /// Notes that a file holds all that was done.
   void saved() {
     if (m_kept) m_kept->saved();
@@ -103,6 +106,7 @@ class OpenScene final : public LoopWatcher {
   std::optional<ScalarRange> m_range;         // of the values that the overlay shows
   std::optional<RestOutline> m_rest_outline;  // while it is drawn in space
   Value m_warned_model;                       // keys of an expensive one that was refused once
+  bool m_was_begun = false;                   // with the look of a page, if none was chosen
   bool m_is_told = false;
   bool m_is_moving = false;
   bool m_moves_view = false;  // the event changes how the body is looked at, not the body

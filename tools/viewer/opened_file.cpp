@@ -42,16 +42,15 @@ FoundUnits units_of(VolumeFile& file, Progress* progress) {
   return {are_hounsfield, are_hounsfield ? "densities are HU" : "densities are not HU"};
 }
 
-AssumedMaterial assumed_material(const std::string& path, Progress* progress) {
-  const auto file = open_volume(path, {});
-  const FoundUnits found = units_of(*file, progress);
+AssumedMaterial assumed_material(VolumeFile& file, Progress* progress) {
+  const FoundUnits found = units_of(file, progress);
   if (!found.are_hounsfield) {
     return {"mr-brain",
             "no material is given and " + found.by +
                 ": mr-brain is assumed; what is darker than the threshold between background and "
                 "tissue is left out, and so is all but the largest connected part"};
   }
-  const Geometry& geometry = file->header().geometry;
+  const Geometry& geometry = file.header().geometry;
   const Vec3d spacing = geometry.spacing_mm();
   const double width = std::max(geometry.dims().x * spacing.x, geometry.dims().y * spacing.y);
   const char* preset = width > kWidestHeadMm ? "ct-body" : "ct-head";
@@ -65,13 +64,15 @@ AssumedMaterial assumed_material(const std::string& path, Progress* progress) {
 
 OpenedFile opened_file(const std::string& path, const std::string& material,
                        const std::string& preset, Progress* progress) {
-  if (std::filesystem::path(path).extension() == ".toml") return {Table::read(path), "", false};
-  std::string assumed;
+  if (std::filesystem::path(path).extension() == ".toml") return {Table::read(path), "", false, ""};
+  std::string assumed, modality;
+  const auto file = is_state_file(path) ? nullptr : open_volume(path, {});
+  if (file) modality = file->header().modality;
   Value json = {{"volume", {{"path", absolute_path(path)}}}};
   if (find_tissue_preset(material) != nullptr) {
     json["material"]["preset"] = material;
-  } else if (material.empty() && !is_state_file(path)) {
-    const AssumedMaterial found = assumed_material(path, progress);
+  } else if (material.empty() && file) {
+    const AssumedMaterial found = assumed_material(*file, progress);
     json["material"]["preset"] = found.preset;
     assumed = found.text;
   } else if (!material.empty() && material != kUniform) {
@@ -79,7 +80,7 @@ OpenedFile opened_file(const std::string& path, const std::string& material,
   }
   json["view"].push_back({{"image", "live.png"}});
   if (!preset.empty()) json["view"][0]["preset"] = preset;
-  return {Table(json, path), assumed, true};
+  return {Table(json, path), assumed, true, modality};
 }
 
 void require_within(Table& root, const Folders& folders) {

@@ -17,6 +17,7 @@ struct OpenedFile {
   Table root;
   std::string assumed;   // what was assumed for want of a material, one line; empty: nothing
   bool is_scan = false;  // a volume or a state, which does not say how it is looked at
+  std::string modality;  // by the header of a volume, such as "CT"; empty: not said
 };
 
 /// A scene or journal is its own root. Of a volume the material is one that is given (a preset, the

@@ -35,9 +35,9 @@ bool has_control_characters(Value value) {
 
 const std::vector<std::string>& viewer_verbs() {
   static const std::vector<std::string> verbs = {
-      "event", "size",    "slices",    "deformed", "curtain", "pick",
-      "list",  "open",    "save",      "cancel",   "go_on",   "ack",
-      "drop",  "presets", "histogram", "material", "options", "materials"};
+      "event",     "size",     "slices",  "deformed",  "curtain", "pick", "list",
+      "open",      "save",     "cancel",  "go_on",     "ack",     "drop", "presets",
+      "histogram", "material", "options", "materials", "begin"};
   return verbs;
 }
 

@@ -219,9 +219,13 @@ Value material_json(OpenScene& scene) {
 Value slices_json(SliceSettings slices) {
   Value json = fields_value(fields(slices));
   json["centre"] = Value::Entries();
+  json["turned"] = Value::Entries();
   for (std::size_t plane = 0; plane < 3; ++plane) {
     if (slices.centre[plane]) {
       json["centre"][kViewNames[plane + 1]] = *slices.centre[plane];
+    }
+    if (const auto& axes = slices.turned[plane]) {
+      json["turned"][kViewNames[plane + 1]] = {{"right", axes->right}, {"down", axes->down}};
     }
   }
   return json;

@@ -45,12 +45,18 @@ Value volume_json(const Scene& scene, const State& state, const ScalarRange& den
     affine.push_back(origin[row]);
   }
   for (const double last : {0., 0., 0., 1.}) affine.push_back(last);
+  Value straight = Value::Entries();
+  for (std::size_t plane = 0; plane < 3; ++plane) {
+    const SliceAxes slice = slice_axes(geometry, SlicePlane(plane));
+    straight[kViewNames[plane + 1]] = {{"right", slice.right}, {"down", slice.down}};
+  }
   const Vec3i& dims = geometry.dims();
   return {{"name", state.source_name},
           {"path", scene.volume_path},
           {"dims", {dims.x, dims.y, dims.z}},
           {"spacing", geometry.spacing_mm()},
           {"affine", affine},
+          {"straight", straight},
           {"hu", are_hounsfield_units(state.density.background())},
           {"density", {densities.lo, densities.hi}},
           {"elements", state.elements.active_count()}};
@@ -156,6 +162,16 @@ SceneDescription::SceneDescription(LiveSession& live, LivePicture& picture,
       m_settings(settings),
       m_state_parts(parts_of(picture.opened())) {}
 
+void SceneDescription::note_opening(const OpenedFile& file, int number) {
+  m_assumed = file.assumed;
+  m_number = number;
+  m_modality = {{"name", file.modality}, {"by", "header"}};
+  if (file.modality.empty()) {
+    const bool is_ct = are_hounsfield_units(m_picture.opened().density.background());
+    m_modality = {{"name", is_ct ? "CT" : "MR"}, {"by", "densities"}};
+  }
+}
+
 /// Range of the densities of the elements and their surroundings.
 const ScalarRange& SceneDescription::densities() {
   const DensityGrid& density = m_picture.opened().density;
@@ -181,6 +197,13 @@ Value SceneDescription::told(bool is_moving, const ScalarRange& overlay_range) {
                    {"preset", view.transfer ? "" : view.preset},
                    {"transfer", transfer_json(look_of(view))},
                    {"clips", clips}};
+  if (m_first.is_null()) {
+    const char* key = view.transfer ? "transfer" : "preset";
+    m_first = {{"window", m_settings.slices.window},
+               {"level", m_settings.slices.level},
+               {key, scene["view"][key]}};
+  }
+  scene["first"] = m_first;
   scene["slices"] = shown_slices(m_settings.slices, overlay_range);
   scene["measures"] = measures_json(m_live.history().measures(), m_picture.displacement());
   scene["deformed"] = m_settings.deformed();
@@ -200,6 +223,8 @@ Value SceneDescription::body() {
   const StateParts of_state = was_released ? StateParts() : m_state_parts;
   Value scene;
   scene["volume"] = volume_json(m_live.scene(), state, densities());
+  scene["volume"]["modality"] = m_modality;
+  scene["volume"]["opened"] = m_number;
   if (!m_assumed.empty()) {
     const Vec3i& dims = state.geometry.dims();
     scene["assumed"] = m_assumed + ": " + std::to_string(state.elements.active_count()) + " of " +

@@ -6,6 +6,7 @@
 #include "tools/scene/live/live_picture.h"
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/state_parts.h"
+#include "tools/viewer/opened_file.h"
 #include "tools/viewer/view_settings.h"
 
 namespace supple::tools {
@@ -31,8 +32,8 @@ class SceneDescription {
   /// All outlive it. No event has been carried out so far.
   SceneDescription(LiveSession& live, LivePicture& picture, const ViewSettings& settings);
 
-  /// Notes what was assumed when the scene was opened, which the pages tell.
-  void assume(const std::string& text) { m_assumed = text; }
+  /// Notes what the pages tell of the file; `number` counts those that were opened.
+  void note_opening(const OpenedFile& file, int number);
   /// The message, but for `event`, which each page counts for itself. While the body is being
   /// moved, it is described as it was.
   /// `overlay_range`: of the values that an overlay shows.
@@ -47,6 +48,9 @@ class SceneDescription {
   const ViewSettings& m_settings;
   StateParts m_state_parts;  // of a state that was opened
   std::string m_assumed;
+  Value m_modality;
+  int m_number = 0;
+  Value m_first;                           // look and window, once they were told
   std::optional<ScalarRange> m_densities;  // once they were asked for
   Value m_body_told;                       // before the body moved
 };

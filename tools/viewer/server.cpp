@@ -77,8 +77,8 @@ constexpr auto kRequestTime = 10s;
 constexpr auto kLookEvery = 50ms;
 constexpr const char* kDrop = "/drop/";  // before the address of a file that a page uploads
 constexpr const char* kModule = "/supple-view.js";
-constexpr std::uint32_t kMostHeaderBytes = 8192;
-constexpr std::size_t kMostPending = 64;  // connections without a socket
+constexpr std::uint32_t kMostHeaderBytes = 8192, kMostPending = 64;  // connections without a socket
+constexpr unsigned short kFirstPort = 21177, kLastPort = 21184;
 
 /// A connection that asks for files of the page, until it opens a socket.
 class Visitor final : public std::enable_shared_from_this<Visitor> {
@@ -270,6 +270,18 @@ Tcp::acceptor listener(asio::io_context& context, const Tcp::endpoint& endpoint)
   return acceptor;
 }
 
+/// Port 0 takes a usual one while it is free: browsers keep what they remember by the port.
+Tcp::acceptor first_listener(asio::io_context& context, const asio::ip::address& address,
+                             int port) {
+  for (unsigned short usual = kFirstPort; port == 0 && usual <= kLastPort; ++usual) {
+    try {
+      return listener(context, {address, usual});
+    } catch (const boost::system::system_error&) {  // another program has it
+    }
+  }
+  return listener(context, {address, static_cast<unsigned short>(port)});
+}
+
 }  // namespace
 
 struct Server::Impl {
@@ -294,8 +306,7 @@ struct Server::Impl {
 Server::Server(const ServerOptions& options) : m_impl(std::make_unique<Impl>(options)) {
   const asio::ip::address address = address_to_listen_on(options.listen);
   try {
-    const auto port = static_cast<unsigned short>(options.port);
-    m_impl->first = listener(m_impl->context, {address, port});
+    m_impl->first = first_listener(m_impl->context, address, options.port);
   } catch (const boost::system::system_error& error) {
     throw SystemError("port " + std::to_string(options.port) + ": cannot listen on " +
                       address.to_string() + ": " + error.code().message());
@@ -321,11 +332,10 @@ int Server::port() const {
 std::string Server::address() const {
   const ServerOptions& options = m_impl->options;
   const asio::ip::address own = m_impl->first->local_endpoint().address();
-  const std::string name = own.is_unspecified() ? "127.0.0.1" : own.to_string();
-  std::string origin = "http://" +
-                       (own.is_v6() && !own.is_unspecified() ? "[" + name + "]" : name) + ":" +
-                       std::to_string(port());
-  if (!options.origins.empty()) origin = options.origins.front();
+  std::string host = own.is_unspecified() ? "127.0.0.1" : own.to_string();
+  if (host.find(':') != std::string::npos) host = "[" + host + "]";
+  const std::string own_origin = "http://" + host + ":" + std::to_string(port());
+  const std::string& origin = options.origins.empty() ? own_origin : options.origins.front();
   return origin + options.base_path + "#" + options.token;
 }
 

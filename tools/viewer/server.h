@@ -39,7 +39,7 @@ std::optional<PageFile> page_file(const std::string& target, const std::string& 
                                   const std::string& first = "index.html");
 
 struct ServerOptions {
-  int port = 0;         // 0: a free one
+  int port = 0;         // 0: the first free one of 21177 to 21184, or any
   double grace_s = 60;  // that the session outlives its last page; 0: for ever
   std::string page_folder;
   std::string token;

@@ -156,10 +156,12 @@ namespace {
 /// The grid of a pane's pixels.
 Geometry pane_grid(const Geometry& geometry, const SliceSettings& settings, int plane,
                    const PixelSize& size) {
-  const SliceAxes axes = slice_axes(geometry, SlicePlane(plane));
+  // An oblique slice has pixels of the same size, so that it does not grow and shrink as it turns.
+  const SliceAxes straight = slice_axes(geometry, SlicePlane(plane));
+  const SliceAxes axes = settings.turned[std::size_t(plane)].value_or(straight);
   Vec3d lo(1e300), hi(-1e300);
   for (const Vec3d& corner : box_corners_lps_mm(geometry)) {
-    const Vec3d at(corner.dot(axes.right), corner.dot(axes.down), 0);
+    const Vec3d at(corner.dot(straight.right), corner.dot(straight.down), 0);
     for (int a = 0; a < 2; ++a) {
       lo[a] = std::min(lo[a], at[a]);
       hi[a] = std::max(hi[a], at[a]);
@@ -169,6 +171,11 @@ Geometry pane_grid(const Geometry& geometry, const SliceSettings& settings, int 
       std::max((hi.x - lo.x) / size[0], (hi.y - lo.y) / size[1]) / settings.zoom;
   const Vec3d cursor = geometry.world_from_index(settings.cursor);
   double across = (lo.x + hi.x) / 2, down = (lo.y + hi.y) / 2;
+  if (settings.turned[std::size_t(plane)]) {
+    const Vec3d middle = geometry.world_from_index((Vec3d(geometry.dims()) - Vec3d(1)) / 2);
+    across = middle.dot(axes.right);
+    down = middle.dot(axes.down);
+  }
   if (const auto& centre = settings.centre[std::size_t(plane)]) {
     const Vec3d at = geometry.world_from_index(*centre);
     across = at.dot(axes.right);
@@ -195,6 +202,28 @@ Fields fields(SliceSettings& settings) {
       Field("outline", settings.outline, "The outline of the body at rest"),
       Field("zoom", settings.zoom, "Magnification").range(0.05, 100),
   };
+}
+
+void read_turned(Table& table, SliceSettings& settings) {
+  constexpr double kNearly = 1e-6;
+  settings.turned = {};
+  for (std::size_t plane = 0; plane < 3; ++plane) {
+    const char* name = kViewNames[plane + 1];
+    auto given = table.table(name);
+    if (!given) continue;
+    SliceAxes axes{{0, 0, 0}, {0, 0, 0}};
+    axes.right = given->require(given->get<Vec3d>("right"), "right", "[L, P, S]");
+    axes.down = given->require(given->get<Vec3d>("down"), "down", "[L, P, S]");
+    given->finish();
+    const double fault =
+        std::max({std::abs(axes.right.length() - 1), std::abs(axes.down.length() - 1),
+                  std::abs(axes.right.dot(axes.down))});
+    if (!(fault < kNearly)) {
+      table.fail(name, "other axes", "right and down of length 1 mm at a right angle");
+    }
+    settings.turned[plane] = axes;
+  }
+  table.finish();
 }
 
 SliceSettings default_slices(const State& state) {

@@ -13,6 +13,7 @@
 #include "tools/scene/file/slice_view.h"
 #include "tools/scene/pictures/picture_options.h"
 #include "tools/viewer/frame_message.h"
+#include "volumes/base/table.h"
 
 namespace supple::tools {
 
@@ -69,9 +70,14 @@ struct SliceSettings {
   bool outline = true;
   double zoom = 1;                             // 1: the whole slice fits
   std::array<std::optional<Vec3d>, 3> centre;  // index in the middle of each; absent: of the box
+  std::array<std::optional<SliceAxes>, 3> turned;  // oblique ones
 };
-/// Fields but for `centre`.
+/// Fields but for `centre` and `turned`.
 Fields fields(SliceSettings& settings);
+
+/// Reads the axes of oblique slices by the names of their views, those of others are forgotten.
+/// Throws InputError: axes that are no unit vectors at a right angle.
+void read_turned(Table& table, SliceSettings& settings);
 
 /// Settings of slices through the middle of the volume, with the window of `supple slice`.
 SliceSettings default_slices(const State& state);

@@ -20,6 +20,13 @@ constexpr double kMostAmount = 3;
 /// What is asked of the open scene, its value read and checked.
 std::function<Value(OpenScene&)> question_of(const PageMessage& message, const Folders& folders) {
   if (message.verb == "material") return material_json;
+  if (message.verb == "begin") {
+    PageMessage look = message;
+    if (look.value.is_table()) look.value["kind"] = "look";
+    return [keys = event_of(look, {}, folders).view](OpenScene& scene) {
+      return scene.begin_with_look(keys);
+    };
+  }
   Table table = table_of(message);
   if (message.verb == "pick") {
     return [request = pick_request(table)](OpenScene& scene) { return pick(scene, request); };
@@ -181,7 +188,8 @@ void Viewer::dispatch(int page, const PageMessage& message) {
     take_wish(message);
     return see_soon(page, message);
   }
-  if (verb == "pick" || verb == "save" || verb == "histogram" || verb == "material") {
+  if (verb == "pick" || verb == "save" || verb == "histogram" || verb == "material" ||
+      verb == "begin") {
     return answer_later(page, message, question_of(message, m_folders));
   }
   answer(page, message, query(message, m_folders));
@@ -303,6 +311,7 @@ void Viewer::take_slices(const PageMessage& message) {
     }
     centre->finish();
   }
+  if (auto turned = table.table("turned")) read_turned(*turned, slices);
   table.finish();
   m_settings.slices = slices;
 }

@@ -100,6 +100,7 @@ class Viewer final : public PageSession {
   OpenScene* m_interruptible = nullptr;
 
   std::unique_ptr<OpenScene> m_scene, m_next;  // of the session's thread
+  int m_openings = 0;                          // so far
   std::atomic<int> m_open_drop{0};             // the group that is open; 0: another file
   std::atomic<bool> m_ends{false}, m_has_ended{false};
   std::exception_ptr m_failure;

@@ -47,8 +47,8 @@ void Viewer::open(const OpenedFile& file, const std::string& input, const std::s
   settings.curtain = false;
   m_next = std::make_unique<OpenScene>(file.root, m_options.budget_ms, settings,
                                        SceneOutlets{m_pages, m_encoder, m_progress, m_console});
-  m_next->assume(file.assumed);
   if (file.is_scan) m_next->begin_outside();
+  m_next->note_opening(file, ++m_openings);
   m_next->keep(
       std::make_unique<KeptJournal>(dropped > 0 ? "" : m_options.sessions, input, replaces,
                                     [this](const std::string& line) { m_progress.warn(line); }));
@@ -115,7 +115,7 @@ void Viewer::open_later(int page, const PageMessage& message, const std::functio
 }
 
 void Viewer::go_on_with(const LeftSession& left, bool is_own_input) {
-  OpenedFile file{Table::parse(journal_of(left), left.path), "", false};
+  OpenedFile file{Table::parse(journal_of(left), left.path), "", false, ""};
   if (!is_own_input) require_within(file.root, m_folders);
   open(file, left.input, left.path);
 }

@@ -30,7 +30,9 @@ struct ViewCommand {
 
 Fields fields(ViewCommand& command) {
   return {
-      Field("port", command.server.port, "Of 127.0.0.1; 0: a free one").range(0, 65535),
+      Field("port", command.server.port,
+            "Of 127.0.0.1; 0: the first free one of 21177 to 21184, or any")
+          .range(0, 65535),
       Field("budget", command.viewer.budget_ms,
             "From event to first pixels; 0: as long as it takes")
           .unit("ms")

@@ -339,8 +339,13 @@ const SceneView& LiveSession::view() const {
   return m_view->shown();
 }
 
-void LiveSession::begin_with_look(const std::string& preset) {
-  m_view->begin_with_look(preset);
+bool LiveSession::begin_with_look(const Value& look) {
+  for (const auto* looks : {&m_history.looks, &m_history.undone_looks}) {
+    for (const DoneLook& done : *looks) {
+      if (done.kind == EventKind::look) return false;
+    }
+  }
+  return m_view->begin_with_look(look);
 }
 
 void LiveSession::record_with(Recorder recorder) {

@@ -119,8 +119,9 @@ class LiveSession {
   const Scene& scene() const { return *m_scene; }
   /// The view that the events so far ask for.
   const SceneView& view() const;
-  /// The look that a session begins with whose file has none, as if the file had it.
-  void begin_with_look(const std::string& preset);
+  /// Sets the look that a session begins with, `preset` or `transfer`, as if its file had it; false
+  /// where the file or an event has chosen one. Throws InputError.
+  bool begin_with_look(const Value& look);
 
   /// Gets every event that is carried out from now on, with the keys that a journal has; one that
   /// replaces the last says all that that one did.

@@ -55,13 +55,18 @@ LiveView::LiveView(const Scene& scene, const Table& root, Progress* progress)
       note(progress, "no view draws the volume in space: a look of its own is shown");
   }
   m_first_keys = m_keys;
+  m_has_own_look = m_keys.contains("preset") || m_keys.contains("transfer");
   if (m_shown.image.empty()) m_shown.image = kNoPicture;
 }
 
-void LiveView::begin_with_look(const std::string& preset) {
-  if (m_first_keys.contains("preset") || m_first_keys.contains("transfer")) return;
-  set_part(EventKind::look, {{"preset", preset}});
-  m_first_keys = m_keys;
+bool LiveView::begin_with_look(const Value& look) {
+  if (m_has_own_look) return false;
+  set_part(EventKind::look, look);
+  for (const char* key : keys_of(EventKind::look)) {
+    m_first_keys.erase(key);
+    if (m_keys.contains(key)) m_first_keys[key] = m_keys[key];
+  }
+  return true;
 }
 
 Value LiveView::part(EventKind kind) const {

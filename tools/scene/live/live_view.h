@@ -21,8 +21,8 @@ class LiveView {
   const Value& keys() const { return m_keys; }
   const Value& first_keys() const { return m_first_keys; }
 
-  /// See LiveSession::begin_with_look().
-  void begin_with_look(const std::string& preset);
+  /// See LiveSession::begin_with_look(); false where the file has a look.
+  bool begin_with_look(const Value& look);
   /// The keys that events of this kind replace.
   Value part(EventKind kind) const;
   /// Replaces these keys. `place`: of the event, for errors; its files lie beside it.
@@ -32,6 +32,7 @@ class LiveView {
   Table::Admits m_admits;  // asks before files are read that events name
   SceneView m_shown;
   Value m_keys, m_first_keys;
+  bool m_has_own_look = false;  // the file says how it is looked at
 };
 
 class LiveJournal {

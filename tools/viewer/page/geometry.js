@@ -1,7 +1,7 @@
 // Where voxels lie in the patient: the affine of a scene's volume, and what follows from it. An
 // index is [i, j, k] with fractions; grid vectors are mm along the grid's axes, as a drag's `to`.
 
-import {add, cross, dot, times} from './vectors.js';
+import {add, cross, dot, minus, normalized, times} from './vectors.js';
 
 export class Geometry {
   /// `affine`: 16 numbers, row by row, from index to LPS mm.
@@ -44,6 +44,25 @@ export class Geometry {
     const alike = this.axes.map((axis, a) => Math.abs(axis[patientAxis]) / this.spacing[a]);
     return alike.indexOf(Math.max(...alike));
   }
+}
+
+/// Corners, in order, of what a plane cuts out of the volume's box; none where it passes by.
+export function planeInBox(geometry, point, normal) {
+  const corners = geometry.corners();
+  const height = corners.map((corner) => dot(minus(corner, point), normal));
+  const found = [];
+  for (let c = 0; c < 8; ++c) {
+    for (const bit of [1, 2, 4]) {
+      const d = c | bit;
+      if (d === c || (height[c] < 0) === (height[d] < 0)) continue;
+      found.push(add(corners[c], times(minus(corners[d], corners[c]), height[c] / (height[c] - height[d]))));
+    }
+  }
+  if (found.length < 3) return [];
+  const middle = found.reduce((sum, place) => add(sum, times(place, 1 / found.length)), [0, 0, 0]);
+  const right = normalized(minus(found[0], middle)), up = cross(normalized(normal), right);
+  const angle = (place) => Math.atan2(dot(minus(place, middle), up), dot(minus(place, middle), right));
+  return found.sort((a, b) => angle(a) - angle(b));
 }
 
 /// The plane that a frame of a slice shows: nine numbers, the LPS place of the middle of the top

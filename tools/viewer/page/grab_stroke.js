@@ -3,6 +3,7 @@
 
 import {alongAxis} from './camera.js';
 import {leadText, short, svg} from './elements.js';
+import {PieceRings} from './piece_rings.js';
 import {PieceTurn} from './piece_turn.js';
 import {stopper} from './stopper.js';
 import {add, length, normalized, times} from './vectors.js';
@@ -11,6 +12,7 @@ const kAxes = {'axis-x': [1, 0, 0], 'axis-y': [0, 1, 0], 'axis-z': [0, 0, 1]};
 /// Of positive and negative amounts along them.
 const kWays = {'axis-x': ['left', 'right'], 'axis-y': ['back', 'front'], 'axis-z': ['head', 'feet']};
 const kNudges = {'nudge-left': [-1, 0], 'nudge-right': [1, 0], 'nudge-up': [0, 1], 'nudge-down': [0, -1]};
+const kStillPixels = 3;  // of a click
 const kSizes = [0, 1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100];
 
 /// The next larger or smaller radius in mm.
@@ -51,6 +53,7 @@ export class GrabStroke {
     this.turnOnGrid = [0, 0, 0];  // axis along the grid times degrees
     this.pick = null;
     this.piece = null;            // the bone in hand, and its turn
+    this.rings = null;            // about a bone that a click has taken
     this.find();
   }
 
@@ -67,8 +70,10 @@ export class GrabStroke {
       if (hit.rigid && !hit.rigid.fixed && !this.app.settings.push) this.piece = {...hit.rigid, turn: new PieceTurn()};
       if (this.wantsTurn) this.switchTo('turn');
       this.hold();
+      if (this.isClicked) this.at = this.start;
       this.follow();
-      if (this.isKept) this.keep();
+      if (this.isClicked) this.take();
+      else if (this.isKept) this.keep();
     } catch (error) {
       this.app.say(error.message);
       this.end();
@@ -96,16 +101,40 @@ export class GrabStroke {
   }
 
   press(place) {
-    this.isPressed = true;
+    if (this.rings) return this.rings.press(place);
+    this.pressed = place;
     if (place.time > 0) this.move(place);
   }
-  move({x, y, time}) {
-    this.at = this.view.toPixels(x, y);
-    this.follow(time);
+  move(place) {
+    this.at = this.view.toPixels(place.x, place.y);
+    if (this.rings) return this.rings.move(place);
+    this.follow(place.time);
   }
   lift(place) {
+    if (this.rings) {
+      if (this.rings.lift()) this.tell();
+      else this.keep();
+      return;
+    }
     this.move(place);
-    this.keep();
+    const {x, y} = this.pressed ?? place;
+    const isClick = Math.hypot(place.x - x, place.y - y) < kStillPixels && length(this.to) < 1e-3 && length(this.turnOnGrid) === 0;
+    if (isClick && (this.piece || !this.pick)) this.take();
+    else this.keep();
+  }
+  /// A click takes a bone, and rings about it turn it; tissue is let go of.
+  take() {
+    this.isClicked = !this.pick;
+    if (!this.pick) return;
+    if (!this.piece) return this.keep();
+    this.rings = new PieceRings(this);
+    this.tell();
+  }
+  /// The pointer moves the bone on, from where it is.
+  movesFrom({x, y}) {
+    this.axis = null;
+    this.start = this.view.toPixels(x, y);
+    this.nudged = this.session.geometry.lpsOfGrid(this.to);
   }
   lost() { this.cancel(); }
 
@@ -132,10 +161,11 @@ export class GrabStroke {
     this.tell();
   }
   /// The middle of the bone as it is asked for, in pixels.
-  middle() { return this.view.pixelOf(add(this.piece.middle, this.session.geometry.lpsOfGrid(this.to))); }
+  middle() { return this.view.pixelOf(this.middleLps()); }
+  middleLps() { return add(this.piece.middle, this.session.geometry.lpsOfGrid(this.to)); }
   followTurn(time) {
     const {turn} = this.piece, {geometry} = this.session, middle = this.middle();
-    if (middle) turn.sweep(this.at, middle);
+    if (middle && !this.rings) turn.sweep(this.at, middle);
     turn.lead(this.view.directions().forward, this.axis && kAxes[this.axis], this.amount());
     const degrees = turn.vector(), along = geometry.gridOfLps(degrees);
     const scale = length(along) > 0 ? length(degrees) / length(along) : 0;
@@ -152,9 +182,10 @@ export class GrabStroke {
     }
     if (!this.piece) return this.app.say('Only bones turn that nothing fixes: grab one of them');
     const {turn} = this.piece;
-    if (turn.isOn === (what === 'turn')) return;
-    if (turn.isOn) {
-      turn.end();
+    if (turn.isOn === (what === 'turn') && !this.rings) return;
+    this.rings = null;
+    turn.end();
+    if (what === 'move') {
       this.start = this.at;
       this.nudged = this.session.geometry.lpsOfGrid(this.to);
     } else {
@@ -208,6 +239,10 @@ export class GrabStroke {
     const {turn, name} = this.piece;
     const axis = this.axis ? ` ${turn.isOn ? 'about' : 'along'} ${{'axis-x': 'left–right', 'axis-y': 'anterior–posterior', 'axis-z': 'superior–inferior'}[this.axis]}` : '';
     const typed = this.typed ? `${this.typed}▏${turn.isOn ? '°' : ' mm'}${axis}, ` : '';
+    if (this.rings) {
+      this.app.say(`Bone ${name}: ${typed}${far}. Rings turn, the dot moves it, X Y Z and degrees; Enter keeps, Esc restores`);
+      return this.view.refresh();
+    }
     this.app.say(`Bone ${name}: ${typed}${far}${this.typed ? '' : axis}. ` +
                  `${turn.isOn ? 'G moves' : 'R turns'}, X Y Z and a number constrain, Enter keeps, Esc restores`);
     this.view.refresh();
@@ -233,13 +268,17 @@ export class GrabStroke {
   act(action, {shiftKey, key}) {
     if (action === 'type') {
       this.type(key);
+    } else if (action in kAxes && this.rings) {
+      this.typed = '';
+      this.rings.choose(action);
+      this.tell();
     } else if (action in kAxes) {
       this.axis = this.axis === action ? null : action;
       this.follow();
       if (this.pick) this.tell();
     } else if (action === 'turn') {
       this.switchTo('turn');
-    } else if (action === 'grab' && this.piece?.turn.isOn) {
+    } else if (action === 'grab' && (this.piece?.turn.isOn || this.rings)) {
       this.switchTo('move');
     } else if (action in kNudges && this.piece?.turn.isOn) {
       const [right, up] = kNudges[action];
@@ -300,13 +339,16 @@ export class GrabStroke {
     if (this.piece) return this.pieceMarks([x1, y1], [x2, y2]);
     return [svg('line', {class: 'way', x1, y1, x2, y2}), this.tools.brush(this.view, x2, y2, this.radius)];
   }
+  turnMarks(middle, at) {
+    if (this.rings) return this.rings.marks();
+    return this.piece.turn.isOn && middle ? this.piece.turn.marks(this.view.toCss(middle), at) : [];
+  }
   /// Where the bone is led, and beside the pointer how far it has come.
   pieceMarks([x1, y1], [x2, y2]) {
-    const {turn} = this.piece;
     const [x, y] = this.view.toCss(this.at), middle = this.middle();
     const {drag} = this.session.scene, isKnown = drag && this.session.lastCarriedOut >= this.events[0];
     const texts = isKnown ? reachedTexts(drag, this.session.geometry, !drag.stopped_by) : [];
-    return [svg('line', {class: 'way', x1, y1, x2, y2}), ...(turn.isOn && middle ? turn.marks(this.view.toCss(middle), [x, y]) : []),
+    return [svg('line', {class: 'way', x1, y1, x2, y2}), ...this.turnMarks(middle, [x, y]),
             ...texts.map((words, i) => {
               const made = svg('text', {class: 'hand-text', x: x + 14, y: y - 8 + 16 * i});
               made.textContent = words;

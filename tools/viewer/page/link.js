@@ -2,7 +2,7 @@
 // view that fills the window, behind the token in the fragment of the address, which no request carries.
 // Numbers are those of the session, digit by digit, so that pictures of the same size have the same bytes.
 
-const kSlices = ['cursor', 'window', 'level', 'overlay', 'overlay_in_space', 'outline', 'outline_in_space', 'zoom', 'centre'];
+const kSlices = ['cursor', 'window', 'level', 'overlay', 'overlay_in_space', 'outline', 'outline_in_space', 'zoom', 'centre', 'turned'];
 const kViewKey = '&view=';
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
@@ -44,24 +44,28 @@ export function eventsTo(view, scene) {
 export function slicesTo(view, scene) {
   const centre = {...view.slices?.centre};
   for (const plane of Object.keys(scene.slices.centre ?? {})) centre[plane] ??= scene.volume.dims.map((n) => (n - 1) / 2);
-  return {...picked(view.slices, kSlices), centre};
+  return {turned: {}, ...picked(view.slices, kSlices), centre};
 }
 
 export class ViewLink {
   constructor(app) {
     Object.assign(this, {app, session: app.session, isPending: true});
-    this.session.on('opened', (scene) => scene && this.isPending && this.restore());
+    this.session.on('opened', (scene) => scene && this.begin());
     window.addEventListener('hashchange', () => this.restore());
   }
 
-  /// Brings the view there that the address names, if it names one.
+  /// What is opened first has the view of the address; else what is remembered counts.
+  begin() {
+    if (!(this.isPending && this.restore())) this.app.looks.begin();
+  }
+  /// Brings the view there that the address names; false where it names none.
   restore() {
     const {scene} = this.session;
-    if (!scene) return;
+    if (!scene) return false;
     this.isPending = false;
     const {view, isBroken} = partsOf(location.hash);
     if (isBroken) this.app.say('The view in the address cannot be read; what follows its key is damaged');
-    if (!view || typeof view !== 'object') return;
+    if (!view || typeof view !== 'object') return false;
     for (const event of eventsTo(view, scene)) {
       if (event.kind === 'camera') this.session.setCamera(event.camera);
       else this.session.event(event);
@@ -70,6 +74,7 @@ export class ViewLink {
     if (Number.isFinite(view.amount)) this.app.showAmount(view.amount);
     if (this.app.view(view.maximised) || view.maximised === null) this.app.layout.maximise(view.maximised);
     this.app.say('The view of the link');
+    return true;
   }
   /// Puts what is seen into the address, and into the clipboard where that is allowed.
   async copy() {

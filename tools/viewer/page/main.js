@@ -17,10 +17,12 @@ import {LookPanel} from './panels/look_panel.js';
 import {MaterialPanel} from './panels/material_panel.js';
 import {ScenePanel} from './panels/scene_panel.js';
 import {exposed} from './exposed.js';
+import {Clips} from './clips.js';
 import {Curtain} from './curtain.js';
 import {PointerValues} from './pointer_values.js';
 import {nextSize} from './grab_stroke.js';
 import {partsOf, ViewLink} from './link.js';
+import {RememberedLooks} from './remembered_looks.js';
 import {LeftSession} from './left_session.js';
 
 class App {
@@ -38,6 +40,7 @@ class App {
     this.layout = new Layout(this, document.getElementById('views'));
     this.views = [new SliceView(this, 'axial'), new SpaceView(this), new SliceView(this, 'coronal'), new SliceView(this, 'sagittal')];
     this.layout.root.append(...this.views.map((view) => view.root));
+    this.clips = new Clips(this);
     this.curtain = new Curtain(this);
     this.active = this.view('3d');
     this.hovered = null;
@@ -45,6 +48,7 @@ class App {
     this.dropped = new Dropped(this);
     this.progress = new ProgressBar(this.session, this.dropped);
     this.help = new Help();
+    this.looks = new RememberedLooks(this);
     const panel = (id) => document.getElementById(id);
     new LookPanel(this, panel('panel-look'));
     new DeformPanel(this, panel('panel-deform'));
@@ -181,6 +185,7 @@ class App {
       'window-level': () => this.tools.toggle('window-level'),
       'clear-measures': () => session.scene?.measures.length && changes('measure', {all: true}),
       'curtain': () => this.curtain.toggle(), 'blink': () => event.repeat || this.curtain.blink(),
+      'clip-plane': () => this.clips.addPlane(true), 'clip-box': () => this.clips.addVolumeBox(true),
       'deformed': () => this.showDeformed(!(session.scene?.deformed ?? true)),
       'reset-view': () => view.reset(event.timeStamp), 'projection': () => space.toggleProjection(event.timeStamp),
       'maximise': () => this.layout.toggle(view.name), 'next-view': () => this.layout.next(),

@@ -20,7 +20,7 @@ export function drawMarks(view) {
   const all = [];
   if (scene && view.frame && view.directions()) {
     all.push(...letters(view), ...bar(view), ...crosshair(view), ...cutMarks(view), ...anchorMarks(view, (lps, mm) => isNear(view, lps, mm)), ...handles(view), ...allMeasures(view, (lps) => isNear(view, lps)),
-             ...view.app.tools.marks(view));
+             ...view.app.clips.marks(view), ...view.app.tools.marks(view));
     all.push(...legend(view));
     if (view.name === '3d') all.push(cube(view));
   }
@@ -49,22 +49,14 @@ function bar(view) {
           text('bar-text', x + 4, y - 7, `${found.mm} mm${note}`, 'start')];
 }
 
-/// In slices lines in the colours of the planes that they stand for, free in the middle.
 function crosshair(view) {
+  if (view.name !== '3d') return view.lines.marks();
   const place = view.app.slices.cursorLps();
   const pixel = place && view.pixelOf(place);
   if (!pixel || !view.app.settings.crosshair) return [];
   const [x, y] = view.toCss(pixel);
-  const [w, h] = [view.picture.clientWidth, view.picture.clientHeight];
-  if (view.name === '3d') {
-    return [line('cross', [x - 9, y], [x - 3, y]), line('cross', [x + 3, y], [x + 9, y]),
-            line('cross', [x, y - 9], [x, y - 3]), line('cross', [x, y + 3], [x, y + 9])];
-  }
-  const [upright, level] = {axial: ['sagittal', 'coronal'], coronal: ['sagittal', 'axial'],
-                            sagittal: ['coronal', 'axial']}[view.name];
-  const gap = 7;
-  return [line('cross ' + upright, [x, 0], [x, y - gap]), line('cross ' + upright, [x, y + gap], [x, h]),
-          line('cross ' + level, [0, y], [x - gap, y]), line('cross ' + level, [x + gap, y], [w, y])];
+  return [line('cross', [x - 9, y], [x - 3, y]), line('cross', [x + 3, y], [x + 9, y]),
+          line('cross', [x, y - 9], [x, y - 3]), line('cross', [x, y + 3], [x, y + 9])];
 }
 
 /// Within `mm` of a slice, or a voxel.

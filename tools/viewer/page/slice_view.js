@@ -4,7 +4,8 @@
 import {element, show} from './elements.js';
 import {PixelPlane} from './geometry.js';
 import {iconButton} from './icons.js';
-import {cross, dot, minus, normalized, times} from './vectors.js';
+import {axesOf, cursorAt, degreesBetween, isTurned, reachOf, setTurned, SliceLines} from './oblique.js';
+import {add, cross, dot, minus, normalized, times} from './vectors.js';
 import {View} from './view.js';
 
 /// Planes by the patient's axis that they are across, in 3D Slicer's colours (style.css).
@@ -47,6 +48,13 @@ export class Slices {
     this.session.tell('slices', this.now);
   }
 
+  /// A window by a person, which is remembered.
+  chooseWindow(values) {
+    this.set(values);
+    const {window, level} = this.now;
+    this.session.tell('chosen', {window, level});
+  }
+
   setCursor(index) { this.set({cursor: this.session.geometry.clamped(index)}); }
   cursorLps() {
     const cursor = this.now.cursor;
@@ -62,6 +70,7 @@ export class SliceView extends View {
       'aria-label': `${this.title} slice`, oninput: () => this.goTo(this.slider.valueAsNumber)});
     this.offset = element('output', {class: 'offset'});
     this.bar.append(this.slider, this.offset, iconButton('fit', `Fit the ${name} slice`, () => this.centre(), {class: 'fit'}), app.layout.button(this));
+    this.lines = new SliceLines(this);
     this.session.on('slices', () => this.refresh());
   }
 
@@ -74,7 +83,8 @@ export class SliceView extends View {
     const cursor = this.app.slices?.now.cursor;
     this.slider.disabled = !(geometry && cursor);
     if (this.slider.disabled) return;
-    this.slider.max = geometry.dims[this.axis] - 1;
+    if (isTurned(this.app, this.name)) return this.refreshTurned();
+    Object.assign(this.slider, {min: 0, max: geometry.dims[this.axis] - 1, step: 1});
     show(this.slider, Math.round(cursor[this.axis]));
     const mm = geometry.lpsOfIndex(cursor)[kPlanes[this.name]];
     const letter = ['LR', 'PA', 'SI'][kPlanes[this.name]][mm < 0 ? 1 : 0];
@@ -82,7 +92,23 @@ export class SliceView extends View {
     this.slider.setAttribute('aria-valuetext', this.offset.textContent);
   }
 
+  /// Of a turned slice: mm along its normal, and the angle.
+  refreshTurned() {
+    const {least, most, now} = this.reach;
+    Object.assign(this.slider, {min: least, max: most, step: Math.min(...this.session.geometry.spacing) / 2});
+    show(this.slider, now);
+    const degrees = degreesBetween(axesOf(this.app, this.name), this.session.scene.volume.straight[this.name]);
+    this.offset.textContent = `turned ${degrees.toFixed(1)}°`;
+    this.slider.setAttribute('aria-valuetext', `${now.toFixed(1)} mm, ${this.offset.textContent}`);
+  }
+  get reach() { return reachOf(this.app, this.name, kPlanes[this.name]); }
+
   goTo(value) {
+    if (isTurned(this.app, this.name)) {
+      const {geometry} = this.session, {reach} = this;
+      const mm = Math.min(reach.most, Math.max(reach.least, value));
+      return this.app.slices.setCursor(cursorAt(geometry, this.app.slices.cursorLps(), reach, mm));
+    }
     const cursor = [...this.app.slices.now.cursor];
     cursor[this.axis] = value;
     this.app.slices.setCursor(cursor);
@@ -91,6 +117,7 @@ export class SliceView extends View {
   scroll(steps) {
     const {geometry} = this.session;
     if (!geometry) return;
+    if (isTurned(this.app, this.name)) return this.goTo(this.reach.now + steps * Math.min(...geometry.spacing));
     const cursor = this.app.slices.now.cursor;
     const up = Math.sign(geometry.axes[this.axis][kPlanes[this.name]]);
     this.goTo(Math.round(cursor[this.axis]) + up * steps);
@@ -134,7 +161,7 @@ export class SliceView extends View {
     const {window, level} = this.app.slices.now;
     const [low, high] = this.session.scene.volume.density;
     const step = (high - low) / 1000;
-    this.app.slices.set({window: Math.max(step, window + dx * step), level: level + dy * step});
+    this.app.slices.chooseWindow({window: Math.max(step, window + dx * step), level: level + dy * step});
   }
   pinch({dx, dy, factor}) {
     if (!this.plane) return;
@@ -160,10 +187,14 @@ export class SliceView extends View {
     else return false;
     return true;
   }
-  /// By a voxel along the grid axis that the picture's direction lies nearest to.
+  /// By a voxel along the grid axis that the picture's direction lies nearest to; within a turned slice as far.
   stepCursor(right, down) {
     const {geometry} = this.session;
     const way = right ? times(this.plane.right, right) : times(this.plane.down, down);
+    if (isTurned(this.app, this.name)) {
+      const step = times(normalized(way), Math.min(...geometry.spacing));
+      return this.app.slices.setCursor(geometry.indexOfLps(add(this.app.slices.cursorLps(), step)));
+    }
     const along = geometry.axes.map((axis) => dot(normalized(axis), normalized(way)));
     const axis = along.reduce((best, value, a) => Math.abs(value) > Math.abs(along[best]) ? a : best, 0);
     const cursor = this.app.slices.now.cursor.map(Math.round);
@@ -175,7 +206,10 @@ export class SliceView extends View {
     if (!geometry) return;
     this.app.slices.set({zoom: 1, centre: {[this.name]: geometry.dims.map((n) => (n - 1) / 2)}});
   }
-  reset() { this.centre(); }
+  reset() {
+    this.centre();
+    if (isTurned(this.app, this.name)) setTurned(this.app, this.name, null);
+  }
 
   directions() {
     const {plane} = this;
@@ -187,5 +221,6 @@ export class SliceView extends View {
   pixelsPerMm() { return this.fit().scale / this.plane.mmPerPixel(); }
   /// mm from the slice to a place.
   distanceOf(lps) { return Math.abs(dot(minus(lps, this.plane.origin), this.directions().forward)); }
+  rayAt(x, y) { return {origin: this.plane.lpsOf(x, y), direction: this.directions().forward}; }
   placeBeside(near, x, y) { return this.plane.lpsOf(x, y); }
 }

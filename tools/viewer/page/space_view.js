@@ -1,6 +1,6 @@
 // The view in space: a camera turned, moved and rolled by mouse, fingers and keys.
 
-import {angleAround, cameraFrame, framed, heightAtTarget, kSides, orbited, panned, pixelOf, placeInViewPlane, projectedAs, rolled,
+import {angleAround, cameraFrame, framed, heightAtTarget, kSides, orbited, panned, pixelOf, placeInViewPlane, projectedAs, rayAt, rolled,
         rotated, zoomed} from './camera.js';
 import {button} from './elements.js';
 import {View} from './view.js';
@@ -115,6 +115,7 @@ export class SpaceView extends View {
   pixelsPerMm() {
     return this.size()[1] / heightAtTarget(this.session.shownCamera()) * this.fit().scale;
   }
+  rayAt(x, y) { return rayAt(this.session.shownCamera(), x, y, this.size()); }
   /// The place under a pixel at the depth of `near`.
   placeBeside(near, x, y) { return placeInViewPlane(this.session.shownCamera(), near, x, y, this.size()); }
 }

@@ -6,10 +6,13 @@ import {actionOf, kBindings, namesOf} from '../../../../tools/viewer/page/bindin
 import {crossings} from '../../../../tools/viewer/page/cut_marks.js';
 import {eventsTo, hashOf, partsOf, slicesTo, viewOf} from '../../../../tools/viewer/page/link.js';
 import {FrameGate, Latencies, parseFrame} from '../../../../tools/viewer/page/frames.js';
-import {Geometry} from '../../../../tools/viewer/page/geometry.js';
+import {Geometry, planeInBox} from '../../../../tools/viewer/page/geometry.js';
+import {degreesBetween, turnedAxes} from '../../../../tools/viewer/page/oblique.js';
+import {choiceOf, keptOf} from '../../../../tools/viewer/page/remembered_looks.js';
 import {Session} from '../../../../tools/viewer/page/session.js';
 import {stopper} from '../../../../tools/viewer/page/stopper.js';
 import * as transfers from '../../../../tools/viewer/page/transfer.js';
+import {cross, distance, dot, minus} from '../../../../tools/viewer/page/vectors.js';
 
 function frameBytes({event = 7, frame = 9, view = 1, format = 1, settled = 1, plane = [1, 2, 3, 4, 5, 6, 7, 8, 9], picture = [42]}) {
   const bytes = Buffer.alloc(24 + (view ? 72 : 0) + picture.length);
@@ -279,6 +282,45 @@ test('a link keeps what is seen, digit by digit, and asks for what differs alone
   assert.deepEqual(slicesTo(view, other).centre, {axial: [1 / 7, 2, 3], coronal: [4, 3, 2]}, 'back in the middle');
   assert.deepEqual(partsOf('#to-ken_1'), {token: 'to-ken_1', view: null, isBroken: false});
   for (const bad of ['#t&view=', '#t&view=%%', '#t&view=YQ']) assert.deepEqual(partsOf(bad), {token: 't', view: null, isBroken: true}, bad);
+});
+
+test('a look is kept as it is where densities are HU, else as parts of their range', () => {
+  const transfer = {name: 'own', opacity: [[100, 0], [300, 1]], colour: [[200, 1, 0.5, 0]], gradient_opacity: [[20, 1]], full_shading_gradient: 40};
+  const choice = {transfer, window: 400, level: 200};
+  assert.deepEqual(keptOf(choice, {hu: true, density: [-1000, 3000]}), choice);
+  const kept = keptOf(choice, {hu: false, density: [100, 300]});
+  assert.deepEqual(kept, {transfer: {name: 'own', opacity: [[0, 0], [1, 1]], colour: [[0.5, 1, 0.5, 0]], gradient_opacity: [[0.1, 1]], full_shading_gradient: 0.2},
+                          window: 2, level: 0.5});
+  assert.deepEqual(choiceOf(kept, {hu: false, density: [0, 1000]}).transfer.opacity, [[0, 0], [1000, 1]]);
+  assert.deepEqual(choiceOf(kept, {hu: false, density: [100, 300]}), choice);
+  assert.deepEqual(keptOf({preset: 'Bone'}, {hu: false, density: [1, 2]}), {preset: 'Bone'});
+});
+
+test('what a plane cuts out of a box lies in both, and goes round', () => {
+  const geometry = new Geometry({affine: [2, 0, 0, 5, 0, 1, 0.5, 0, 0, 0, 3, -7, 0, 0, 0, 1], dims: [4, 5, 6], spacing: [2, 1, Math.hypot(0.5, 3)]});
+  const middle = geometry.lpsOfIndex([1.5, 2, 2.5]);
+  for (const [normal, count] of [[[1, 0, 0], 4], [[3, -2, 1], undefined], [[0.1, 1, 0.2], undefined]]) {
+    const corners = planeInBox(geometry, middle, normal);
+    assert.ok(corners.length >= 3 && corners.length <= 6 && corners.length === (count ?? corners.length));
+    const turns = corners.map((c, n) => dot(cross(minus(c, middle), minus(corners[(n + 1) % corners.length], middle)), normal));
+    assert.ok(turns.every((t) => t > 1e-6), `${turns}`);
+    for (const corner of corners) {
+      assert.ok(Math.abs(dot(minus(corner, middle), normal)) < 1e-9);
+      assert.ok(geometry.indexOfLps(corner).every((v, a) => v > -0.5 - 1e-9 && v < geometry.dims[a] - 0.5 + 1e-9));
+    }
+  }
+  assert.deepEqual(planeInBox(geometry, [1000, 0, 0], [1, 0, 0]), []);
+});
+
+test('a slice turns about the line of sight, and becomes straight where it nearly is', () => {
+  const straight = {right: [1, 0, 0], down: [0, 0, -1]};
+  const axes = turnedAxes(straight, [0, 0, -1], 30, straight);
+  assert.ok(Math.abs(degreesBetween(axes, straight) - 30) < 1e-9);
+  assert.ok(distance(axes.right, [Math.cos(Math.PI / 6), -0.5, 0]) < 1e-12 && distance(axes.down, [0, 0, -1]) < 1e-12);
+  let led = straight;
+  for (let n = 0; n < 359; ++n) led = turnedAxes(led, [0.6, 0, 0.8], 1, straight) ?? assert.fail('not straight yet');
+  assert.ok(Math.abs(dot(led.right, led.down)) < 1e-15 && Math.abs(degreesBetween(led, straight) - 1) < 1e-6);
+  assert.equal(turnedAxes(led, [0.6, 0, 0.8], 1, straight), null);
 });
 
 test('docs/viewer.md lists the keys as they are', async () => {

@@ -29,6 +29,7 @@ try {
   await page.eval(`(() => { const list = document.getElementById('overlay'); list.value = 'displacement'; list.dispatchEvent(new Event('change')); })()`);
   await page.eval(`document.getElementById('tab-look').click()`);
   await keep('viewer_overlay.png');
+  await lookedAt(page, view, keep);
   if (process.env.SUPPLE_SIZES) await sizes(page, view, keep);
 } finally {
   await browser.stop();
@@ -48,6 +49,26 @@ async function dragged(page, view) {
     await page.move(px + 3 * i, py + i);
     await sleep(60);
   }
+}
+
+/// A plane before the view from the left, and a coronal slice turned by 30 degrees.
+async function lookedAt(page, view, keep) {
+  const choose = (id, value) => page.eval(`(() => { const list = document.getElementById('${id}'); list.value = '${value}'; list.dispatchEvent(new Event('change')); })()`);
+  const focus = (label) => page.eval(`document.querySelector('.grip[aria-label="${label}"]:not([hidden])').focus()`);
+  await choose('overlay', 'none');
+  await page.move(...await view.middle());
+  for (const key of ['3', 'p', '1', 'ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowLeft', 'ArrowLeft']) {
+    if (key.length > 1) await page.eval(`document.querySelector('#view-3d .picture').focus()`);
+    await page.key(key);
+    await view.settled(120);
+  }
+  await keep('viewer_clip.png');
+  await focus('Clip plane 1, place');
+  await page.key('Delete');
+  await page.move(...await page.middle('#toolbar .brand'));
+  await focus('Turn the coronal slice');
+  for (let n = 0; n < 3; ++n) await page.key('Shift+ArrowRight');
+  await keep('viewer_oblique.png');
 }
 
 async function sizes(page, view, keep) {

@@ -141,6 +141,58 @@ step('journal and scene of it lead to the same state, and one undo takes it back
   await isRigid([0, 0, -2], [1, 0, 0], 4);
 });
 
+step('a click takes a bone, and rings about its middle turn it by the mouse about the patient\'s axes', async () => {
+  await page.move(...await page.middle('#toolbar .brand'));
+  await page.key('Control+z');
+  await view.until('the turn is taken back', '$carriedOut >= $sent && $scene.undo.length === 1');
+  await page.clickOn('#tools [data-tool=grab]');
+  const chin = await placeOf(lpsOf(kChin));
+  await page.click(...chin);
+  await view.until('the bone is in hand', '$scene.grab?.event.rigid_at');
+  await page.until('there are rings', `document.querySelectorAll('#view-3d .ring').length === 3`);
+  assert.match(await say(), /^Bone jaw: .*Rings turn/);
+  // The pointer may go where it likes.
+  await page.move(chin[0] + 60, chin[1] - 80);
+  await isDone();
+  assert.ok(!(await view.get('scene')).drag?.turn && (await view.get('scene')).grab.reached.every((mm) => mm === 0));
+
+  // From the front the ring about anterior and posterior is a circle, and its place follows the mouse; keys choose rings, too.
+  const [mx, my] = await page.eval(`supple.place('3d', ${JSON.stringify(middle)})`), radius = 64;
+  const at = (degrees) => [mx + radius * Math.cos(degrees * Math.PI / 180), my + radius * Math.sin(degrees * Math.PI / 180)];
+  const turn = async () => (await view.get('scene')).drag.turn;
+  await page.drag(at(-45), at(-40), {steps: 6});
+  await isDone();
+  const swept = await turn();
+  assert.ok(Math.abs(swept.asked - 5) < 0.3, `${swept.asked} instead of 5°`);
+  await page.until('degrees stand beside the pointer', `[...document.querySelectorAll('.hand-text')].some((t) => /°/.test(t.textContent))`);
+  await keep(page, 'rings.png');
+  await page.key('x');
+  await page.key('3');
+  await isDone();
+  const half = (degrees) => Math.cos(degrees * Math.PI / 360), both = 2 * Math.acos(half(swept.asked) * half(3)) * 180 / Math.PI;
+  assert.ok(Math.abs((await turn()).asked - both) < 0.01, `${(await turn()).asked} instead of ${both}°`);
+  await page.key('Escape');
+  await view.until('it is restored', '$carriedOut >= $sent && !$scene.grab && $scene.undo.length === 1');
+
+  // The dot moves it. The ring about left and right is seen from its edge: what is in front goes down.
+  await page.click(...chin);
+  await page.until('there are rings', `document.querySelectorAll('#view-3d .ring').length === 3`);
+  await page.drag([mx, my], [mx, my + 7], {steps: 4});
+  await isDone();
+  const {asked: down} = (await view.get('scene')).drag;
+  assert.ok(down[2] < -1.5 && Math.abs(down[0]) < 0.01, `the dot moves it: ${down}`);
+  const [nx, ny] = await page.eval(`supple.place('3d', ${JSON.stringify(add(middle, down))})`);
+  await page.drag([nx, ny + 30], [nx, ny + 34], {steps: 4});
+  await isDone();
+  const led = await turn();
+  assert.ok(led.asked > 3 && led.asked < 5 && Math.abs(led.reached - led.asked) < 1e-3, JSON.stringify(led));
+  await page.click(nx + 90, ny - 90);
+  await view.until('a click beside the rings keeps it', '$carriedOut >= $sent && !$scene.grab && $scene.undo.length === 2', 30);
+  assert.equal(await page.eval(`document.querySelectorAll('#view-3d .ring').length`), 0);
+  await isRigid(down, [1, 0, 0], led.asked);
+  await page.key('Escape');
+});
+
 step('a bone that an anchor holds does not come along, and tissue does not turn', async () => {
   const [x, y] = await placeOf(lpsOf([48, 60, 30]));
   await page.move(x, y);

@@ -11,9 +11,9 @@ export class LookPanel {
   constructor(app, root) {
     Object.assign(this, {app, session: app.session});
     this.editor = new TransferEditor((transfer) => this.send(transfer));
-    this.preset = select([], undefined, (name) => this.session.event({kind: 'look', preset: name}), {id: 'preset'});
+    this.preset = select([], undefined, (name) => this.choosePreset(name), {id: 'preset'});
     root.append(section('Volume rendering', true, field('Preset', this.preset), this.editor.root,
-                        element('div', {class: 'row'}, button('Save as file…', () => app.files.save('transfer')))),
+                        element('div', {class: 'row'}, button('Save as file…', () => app.files.save('transfer'))), app.looks.root),
                 this.sliceSection(), this.clipSection());
     this.session.on('opened', (scene) => scene && this.opened());
     this.session.on('scene', (scene) => this.refresh(scene));
@@ -36,12 +36,17 @@ export class LookPanel {
     this.windows.hidden = !this.session.scene?.volume.hu;  // HU mean nothing elsewhere
   }
 
+  choosePreset(preset) {
+    this.session.event({kind: 'look', preset});
+    this.session.tell('chosen', {preset});
+  }
   /// One event per frame of the screen while a point is dragged.
   send(transfer) {
     this.unsent = transfer;
     this.request ??= requestAnimationFrame((time) => {
       this.request = null;
       this.sent = this.session.event({kind: 'look', transfer: this.unsent}, time);
+      this.session.tell('chosen', {transfer: this.unsent});
     });
   }
 
@@ -65,11 +70,11 @@ export class LookPanel {
   sliceSection() {
     const {app} = this;
     const set = (values) => app.slices.set(values);
-    this.window = number('', (window) => set({window}), {min: 0});
-    this.level = number('', (level) => set({level}));
+    this.window = number('', (window) => app.slices.chooseWindow({window}), {min: 0});
+    this.level = number('', (level) => app.slices.chooseWindow({level}));
     this.windowChoice = select([['', 'Choose…'], ...kWindows.map(([name]) => name)], '', (name) => {
       const found = kWindows.find(([n]) => n === name);
-      if (found) set({window: found[1], level: found[2]});
+      if (found) app.slices.chooseWindow({window: found[1], level: found[2]});
       this.windowChoice.value = '';
     });
     this.windows = field('Window preset', this.windowChoice);
@@ -98,31 +103,13 @@ export class LookPanel {
   }
 
   clipSection() {
+    const {clips} = this.app;
     this.clips = element('ul', {class: 'list clips', 'aria-label': 'Clips'});
     const add = element('div', {class: 'row'},
-      button('Box around the cross-hair', () => this.addClip({box: this.boxHere(), keep: 'outside', space: 'deformed'})),
-      button('Plane at the cross-hair, towards the viewer', () => this.addClip(this.planeHere())));
+      button('Box around the cross-hair', () => clips.addOctant()), button('Whole volume', () => clips.addVolumeBox()),
+      button('Plane at the cross-hair, towards the viewer', () => clips.addPlane()));
     return section('Clips', false, this.clips, add);
   }
-  get clipList() { return this.session.scene?.view.clips ?? []; }
-  sendClips(clip) { this.session.event({kind: 'clip', clip}); }
-  addClip(clip) {
-    if (this.session.scene && clip) this.sendClips([...this.clipList, clip]);
-  }
-  /// The octant from the cross-hair to the corner of the volume that is nearest to the viewer.
-  boxHere() {
-    const {geometry} = this.session;
-    const cursor = this.app.slices.now.cursor.map(Math.round);
-    const eye = geometry.indexOfLps(this.session.camera().position);
-    const corner = geometry.dims.map((n, a) => eye[a] > cursor[a] ? n - 1 : 0);
-    return [...cursor.map((c, a) => Math.min(c, corner[a])), ...cursor.map((c, a) => Math.max(c, corner[a]))];
-  }
-  planeHere() {
-    const {forward} = this.app.view('3d').directions();
-    const round = (v) => v.map((x) => Math.round(x * 1000) / 1000);
-    return {plane: {point: round(this.app.slices.cursorLps()), normal: round(forward)}, space: 'deformed'};
-  }
-
   refreshClips(clips) {
     const key = JSON.stringify(clips);
     if (key === this.clipKey || this.clips.contains(document.activeElement) && clips.length === this.clips.children.length) return;
@@ -131,7 +118,7 @@ export class LookPanel {
     if (!clips.length) this.clips.append(element('li', {class: 'none'}, 'None'));
   }
   clipEntry(clip, i) {
-    const change = (changed) => this.sendClips(this.clipList.map((c, k) => k === i ? changed : c));
+    const change = (changed) => this.app.clips.change(i, changed);
     const name = clip.box ? 'Box' : 'Plane';
     const values = clip.box ?? [...clip.plane.point, ...clip.plane.normal];
     const labels = clip.box ? ['i from', 'j from', 'k from', 'i to', 'j to', 'k to']
@@ -145,7 +132,7 @@ export class LookPanel {
     const space = select([['deformed', 'fixed in space'], ['source', 'moves with the tissue']], clip.space ?? 'deformed',
                          (s) => change({...clip, space: s}), {'aria-label': `${name} ${i + 1}: space`});
     return element('li', {class: 'clip'}, element('div', {class: 'row'}, `${i + 1}. ${name}`, kept, space,
-      iconButton('remove', `Remove clip ${i + 1}`, () => this.sendClips(this.clipList.filter((_, k) => k !== i)))),
+      iconButton('remove', `Remove clip ${i + 1}`, () => this.app.clips.remove(i))),
       element('div', {class: 'six'}, ...inputs));
   }
 }
