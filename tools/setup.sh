@@ -23,6 +23,7 @@ SUPPLE_JUDGES=(
   libinsighttoolkit5-dev mricron-data openexr openimageio-tools python3-meshio
   calculix-ccx python3-dolfinx chromium nodejs xvfb
   python3-pip patchelf python3-matplotlib python3-sphinx)
+SUPPLE_NPM_JUDGES=(@itk-wasm/transform-io@0.1.1 @itk-wasm/image-io@1.6.1)  # into build/npm
 # Of preset asan: the compiler, its sanitizers, a linker, and what names their stacks.
 SUPPLE_CLANG=(clang-14 libclang-rt-14-dev lld-14 llvm-14)
 SUPPLE_PEERS=(python3-vtk9 xvfb libinsighttoolkit5-dev)
@@ -63,6 +64,18 @@ install_packages() {
   [ "${#missing[@]}" -eq 0 ] || { say "not installed: ${missing[*]}"; return 1; }
 }
 
+# Judges of Debian and of npm; returns 1 where some cannot be had.
+install_judges() {
+  local failed=0
+  install_packages "${SUPPLE_JUDGES[@]}" || failed=1
+  if [ ! -d "$SUPPLE_ROOT/build/npm/node_modules/@itk-wasm/image-io" ]; then
+    { command -v npm >/dev/null || install_packages npm; } &&
+      npm install --prefix "$SUPPLE_ROOT/build/npm" --ignore-scripts --no-audit --no-fund --loglevel=error \
+        "${SUPPLE_NPM_JUDGES[@]}" || { say "not installed: ${SUPPLE_NPM_JUDGES[*]}"; failed=1; }
+  fi
+  return $failed
+}
+
 # build_preset PRESET TARGETS [cmake options]: each folder at once, which takes the least processor time for
 # all of them; less together (SUPPLE_UNITY) is sooner built after an edit.
 build_preset() {
@@ -84,7 +97,7 @@ supple_setup() {
 if [ "${BASH_SOURCE[0]}" = "$0" ]; then
   supple_setup
   if [ "${1:-}" = "--with-judges" ]; then
-    install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
+    install_judges || say "tests that need them will be skipped"
   fi
   cmake_options=(-DSUPPLE_BENCH=ON)
   if [ "${1:-}" = "--with-peers" ]; then

@@ -33,7 +33,7 @@ run_ctest() {
 }
 
 supple_setup
-install_packages "${SUPPLE_JUDGES[@]}" || say "tests that need them will be skipped"
+install_judges || say "tests that need them will be skipped"
 bash tools/fetch_ct_head.sh || say "no head CT: tests that need it will be skipped"
 
 if install_packages clang-format-14; then

@@ -27,6 +27,7 @@ Command add_help(CLI::App& program);
 Command add_info(CLI::App& program);
 Command add_compose(CLI::App& program);
 Command add_fit(CLI::App& program);
+Command add_straighten(CLI::App& program);
 Command add_convert(CLI::App& program);
 Command add_crop(CLI::App& program);
 Command add_deform(CLI::App& program);

@@ -4,6 +4,8 @@
 #include "tools/python/bindings.h"
 #include "tools/python/python_arrays.h"
 #include "tools/python/python_values.h"
+#include "tools/python/sent_through.h"
+#include "volumes/field/centreline/straight_grid.h"
 #include "volumes/io/filter/filters.h"
 #include "volumes/io/filter/on_grid.h"
 #include "volumes/io/format/dense_writer.h"
@@ -112,6 +114,25 @@ py::tuple resample_to_grid(const std::string& path, const Value& keys, const Geo
   return py::make_tuple(values_of(*file, callback), grid);
 }
 
+/// Values, vectors, grid and report of `supple straighten`.
+py::tuple straighten(const std::string& path, const Value& keys, const PointArray& along,
+                     const Value& box_keys, const std::string& interpolation,
+                     const py::object& callback) {
+  Straightening box;
+  read_keys(box_keys, fields(box));
+  auto file = open_volume(path, read_options(keys));
+  const Vec3d mm = file->header().geometry.spacing_mm();
+  const StraightGrid straight(places_of(along), box, std::min({mm.x, mm.y, mm.z}));
+  const VectorSliceSource slices = straight.slices();
+  GridFolds folds(straight.grid());
+  const py::array vectors = vectors_of(straight.grid(), counted(slices, folds), callback);
+  const auto seen = attended(callback, [&](Progress& progress) {
+    return on_grid(std::move(file), straight.grid(), slices, kernel_of(interpolation), &progress);
+  });
+  return py::make_tuple(values_of(*seen, callback), vectors, straight.grid(),
+                        to_value(straight, folds));
+}
+
 /// The pixels of a file, rows from the top, which the array keeps without a copy.
 py::array pixels_of(const std::string& path) {
   auto image = std::make_unique<Image>(read_png(path));
@@ -149,6 +170,7 @@ void bind_volumes(py::module_& module) {
   module.def("write_array", &write_array);
   module.def("resample_to_spacing", &resample_to_spacing);
   module.def("resample_to_grid", &resample_to_grid);
+  module.def("straighten", &straighten);
   module.def("pixels_of", &pixels_of);
 }
 

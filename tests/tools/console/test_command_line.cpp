@@ -11,9 +11,9 @@ using namespace supple::test;
 namespace {
 
 const std::vector<std::string> kCommands = {
-    "info",     "convert", "deform", "render",  "slice",  "presets", "keys",         "export",
-    "resample", "apply",   "run",    "compare", "invert", "metrics", "probe",        "tradeoff",
-    "stress",   "bench",   "help",   "mesh",    "sweep",  "cohort",  "slicer-module"};
+    "info",     "convert", "deform", "render",  "slice",  "presets", "keys",          "export",
+    "resample", "apply",   "run",    "compare", "invert", "metrics", "probe",         "tradeoff",
+    "stress",   "bench",   "help",   "mesh",    "sweep",  "cohort",  "slicer-module", "straighten"};
 
 std::size_t count_of(const std::string& text, const std::string& part) {
   std::size_t count = 0;

@@ -107,6 +107,16 @@ class Refused(InFolder):
                      kind=supple.UsageError)
         self.refused(lambda: supple.fit(at, at, self.head, rigid=[9], labels=self.head), "label 9")
 
+    def test_curves_that_are_none(self):
+        at = np.eye(4, 3) * 9
+        self.refused(lambda: supple.straighten(self.head, at[:1]), "1 point", "two or more")
+        self.refused(lambda: supple.straighten(self.head, at[[0, 0, 1]]), "numbers 1 and 2")
+        self.refused(lambda: supple.straighten(self.head, at[:, :2]), "(n, 3)")
+        self.refused(lambda: supple.straighten(self.head, at * np.nan), "points")
+        self.refused(lambda: supple.straighten(self.head, at, radius=-1), "radius")
+        self.refused(lambda: supple.straighten(self.head, at, raduis=1), "did you mean 'radius'")
+        self.refused(lambda: supple.straighten(self.head, at + 900), "out of the volume")
+
     def test_motions_that_are_none(self):
         kind = supple.augment.RandomDrag
         self.refused(lambda: kind(reech=3), "did you mean 'reach'")

@@ -198,6 +198,44 @@ class SameCommands(InFolder):
             self.assertLess(np.abs(ours.reshape(-1, 3) - theirs).max(), 5e-7)  # float32 of 4 mm
             self.assertGreater(np.abs(theirs).max(), 0.5)
 
+    def test_straighten(self):
+        along = np.array([[-15.0, -8, 5], [-6, 2, 9], [3, 3, 12], [10, -5, 20]])
+        np.savetxt(self.path("along.csv"), along, "%.17g", ",", header="x,y,z", comments="")
+        for options, more in ((["--radius", "4"], {"radius": 4}),
+                              (["--radius", "30", "--height", "3", "--no-folds", "--up", "0,1,1",
+                                "--spacing", "1.5", "--interpolation", "nearest"],
+                               {"radius": 30, "height": 3, "no_folds": True, "up": (0, 1, 1),
+                                "spacing": 1.5, "interpolation": "nearest"})):
+            with self.subTest(**more):
+                paths = [self.path("straight.nrrd"), self.path("straight_warp.nrrd")]
+                told = run_json("straighten", self.head, "--along", self.path("along.csv"),
+                                *options, "-o", paths[0], "--warp", paths[1], "--force")
+                straight = supple.straighten(self.head, along, **more)
+                self.assert_same(read_nrrd(paths[0]), straight.volume.array)
+                self.assert_same(read_nrrd(paths[1]), straight.warp.array)
+                told.pop("output")
+                self.assertEqual((straight.warp.direction, straight.warp.report),
+                                 ("resample", told))
+                self.assertEqual(straight.volume.grid, straight.warp.grid)
+
+    def test_what_is_straightened_is_bent_back(self):
+        along = np.array([[-15.0, -8, 5], [-6, -2, 9], [3, 0, 12], [10, -1, 18]])
+        straight = supple.straighten(self.head, along, radius=6, spacing=1)
+        place = np.eye(4)
+        place[:3, 3] = -25, -20, -8
+        grid = supple.Grid((42, 36, 46), place)
+        bend = supple.invert(straight.warp, grid=grid, void="outside")
+        self.assertLess(bend.certificate["residual_max_voxels"], 1e-4)
+        self.assertEqual(bend.certificate["folded_cells"], 0)
+        waves = supple.Volume.from_array(
+            np.sin(np.indices(straight.volume.shape) / 4).sum(0).astype(np.float32),
+            straight.volume.affine)
+        bent = supple.resample(waves, warp=bend, grid=grid)
+        again = supple.straighten(bent, along, radius=3, spacing=1).volume.array
+        inner = waves.array[3:-3, 3:-3]
+        self.assertEqual(inner.shape, again.shape)
+        self.assertLess(np.abs(again - inner)[:, :, 5:-5].max(), 0.15)  # linear, twice
+
     def test_invert(self):
         for void in ("extend", "outside", "nearest"):
             self.assert_same(self.by_program("invert", self.path("pull.nrrd"), "--void", void),

@@ -16,7 +16,8 @@ that returns False cancels), and end by Ctrl-C.
 from ._errors import Cancelled, Error, InputError, SuppleWarning, SystemError, UsageError
 from ._supple import Grid, version as __version__
 from ._volume import Volume, open
-from ._warp import Points, Warp, apply, compose, fit, invert, metrics, read_warp, resample
+from ._warp import (Points, Straight, Warp, apply, compose, fit, invert, metrics, read_warp,
+                    resample, straighten)
 from ._session import Metrics, Report, Session
 from . import augment
 from ._scene import Picture, Scene, materials, models, presets, show
@@ -24,6 +25,6 @@ from ._view import View, view
 
 __all__ = [
     "Cancelled", "Error", "Grid", "InputError", "Metrics", "Picture", "Points", "Report", "Scene",
-    "Session", "SuppleWarning", "SystemError", "UsageError", "View", "Volume", "Warp", "apply",
-    "augment", "compose", "fit", "invert", "materials", "metrics", "models", "open", "presets",
-    "read_warp", "resample", "show", "view"]
+    "Session", "Straight", "SuppleWarning", "SystemError", "UsageError", "View", "Volume", "Warp",
+    "apply", "augment", "compose", "fit", "invert", "materials", "metrics", "models", "open",
+    "presets", "read_warp", "resample", "show", "straighten", "view"]

@@ -18,7 +18,7 @@ class Warp:
 
     array: float32 [k, j, i, 3], mm along LPS, read-only. grid: its Grid. direction: "resample",
     content at x came from x + o(x), or "material", voxel X is now at X + u(X). certificate: dict of
-    the inversion that gave it, or None. report: dict of fit(), or None.
+    the inversion that gave it, or None. report: dict of fit() or straighten(), or None.
     """
     report: Optional[dict] = None
 
@@ -116,6 +116,33 @@ def fit(from_points: Any, to_points: Any, grid: Any, *, direction: str = "resamp
     warp = Warp(array, as_grid(grid), direction=direction)
     warp.report = report
     return warp
+
+
+class Straight(NamedTuple):
+    """Straight box around a curve. volume: as it shows there. warp: of resample direction, from the
+    box to the curve; its `report` has lengths in mm and folded cells."""
+    volume: Volume
+    warp: Warp
+
+
+def straighten(volume: Any, along: Any, *, interpolation: str = "linear",
+               progress: Progress = None, **settings: Any) -> Straight:
+    """Straightens a volume along a curve, `supple straighten` (docs/straighten.md): i along it, k
+    up.
+
+    along: points of the curve in order, (n, 3) in LPS mm. interpolation: "linear" or "nearest"
+    (labels). settings: radius, height and spacing in mm, up (LPS), no_folds. invert() with
+    grid=volume and void="outside" makes the warp that bends straight things along the curve.
+    Raises InputError for points that are no curve.
+    """
+    source = as_volume(volume)
+    keys = source.source()
+    array, vectors, grid, report = _supple.straighten(
+        keys.pop("path"), keys, np.asarray(along, dtype=np.float64), settings, interpolation,
+        progress)
+    warp = Warp(vectors, grid, direction="resample")
+    warp.report = report
+    return Straight(Volume(array, grid, name="straight"), warp)
 
 
 def compose(*transforms: Any, grid: Any = None, progress: Progress = None) -> Warp:

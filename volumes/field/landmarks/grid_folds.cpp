@@ -130,4 +130,16 @@ VectorSliceSource counted(VectorSliceSource slices, GridFolds& folds) {
   };
 }
 
+GridFolds folds_of(const Geometry& grid, const VectorSliceSource& slices, const Progress* progress,
+                   std::int64_t enough) {
+  GridFolds folds(grid);
+  std::vector<Vec3f> slice(std::size_t(grid.dims().x) * std::size_t(grid.dims().y));
+  for (int k = 0; k < grid.dims().z && folds.folded_cells() < enough; ++k) {
+    poll(progress);
+    slices(k, slice.data());
+    folds.add(k, slice.data());
+  }
+  return folds;
+}
+
 }  // namespace supple

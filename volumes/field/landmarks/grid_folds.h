@@ -4,8 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "volumes/base/progress.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/geometry/geometry.h"
 
@@ -30,5 +32,9 @@ class GridFolds {
 
 /// The slices, of which the counter hears while they are asked for. It must outlive them.
 VectorSliceSource counted(VectorSliceSource slices, GridFolds& folds);
+
+/// The folds of all slices, or of the first ones with as many folded cells as `enough`.
+GridFolds folds_of(const Geometry& grid, const VectorSliceSource& slices, const Progress* progress,
+                   std::int64_t enough = std::numeric_limits<std::int64_t>::max());
 
 }  // namespace supple

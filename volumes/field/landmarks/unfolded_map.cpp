@@ -10,19 +10,6 @@ namespace supple {
 
 namespace {
 
-std::int64_t folded_cells(const LandmarkMap& map, const Geometry& grid, bool stops_at_one,
-                          const Progress* progress) {
-  const Vec3i& dims = grid.dims();
-  GridFolds folds(grid);
-  const VectorSliceSource slices = counted(map.slices(grid), folds);
-  std::vector<Vec3f> slice(std::size_t(dims.x) * std::size_t(dims.y));
-  for (int k = 0; k < dims.z && !(stops_at_one && folds.folded_cells() > 0); ++k) {
-    poll(progress);
-    slices(k, slice.data());
-  }
-  return folds.folded_cells();
-}
-
 double extent_of(const std::vector<Vec3d>& points) {
   Vec3d lo = points.front(), hi = lo;
   for (const Vec3d& point : points) {
@@ -43,7 +30,7 @@ UnfoldedMap without_folds(const Landmarks& landmarks,
     return LandmarkMap(landmarks, regions, stiffness);
   };
   const auto folds = [&](const LandmarkMap& map) {
-    return folded_cells(map, grid, true, progress) > 0;
+    return folds_of(grid, map.slices(grid), progress, 1).folded_cells() > 0;
   };
   LandmarkMap first = map_with(stiffness_mm);
   if (!folds(first)) return {std::move(first), stiffness_mm};
@@ -53,7 +40,7 @@ UnfoldedMap without_folds(const Landmarks& landmarks,
   LandmarkMap found = map_with(high);
   while (folds(found)) {
     if (high >= most) {
-      const std::int64_t left = folded_cells(found, grid, false, progress);
+      const std::int64_t left = folds_of(grid, found.slices(grid), progress).folded_cells();
       throw InputError({"", "landmarks", std::to_string(left) + " folded cells at any stiffness",
                         "a motion without folds"});
     }

@@ -1,9 +1,11 @@
-// A volume on the grid of another one, of any place, spacing and direction.
+// A volume on the grid of another one, of any place, spacing and direction, or seen through vectors
+// on it.
 #pragma once
 
 #include <memory>
 
 #include "volumes/base/progress.h"
+#include "volumes/field/dense/resample.h"
 #include "volumes/io/filter/filters.h"
 
 namespace supple {
@@ -17,7 +19,15 @@ namespace supple {
 std::unique_ptr<VolumeFile> on_grid(std::unique_ptr<VolumeFile> file, const Geometry& grid,
                                     ResampleKernel interpolation, Progress* progress = nullptr);
 
-/// Memory that this takes for the volume.
+/// The same at the place where a vector in mm LPS leads from each voxel of the grid. Only the box
+/// of the volume that is read so is loaded, and the smallest value is that of the box. `vectors` is
+/// asked for all slices twice, and must outlive the result. Throws InputError (field "grid"), too,
+/// where all vectors lead out of the volume.
+std::unique_ptr<VolumeFile> on_grid(std::unique_ptr<VolumeFile> file, const Geometry& grid,
+                                    const VectorSliceSource& vectors, ResampleKernel interpolation,
+                                    Progress* progress = nullptr);
+
+/// Memory that the first takes for the volume.
 std::int64_t on_grid_bytes(const Geometry& volume);
 
 }  // namespace supple
