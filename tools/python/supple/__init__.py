@@ -19,11 +19,12 @@ from ._volume import Volume, open
 from ._warp import Points, Warp, apply, compose, fit, invert, metrics, read_warp, resample
 from ._session import Metrics, Report, Session
 from . import augment
-from ._scene import Picture, Scene, materials, models, presets, show
+from ._scene import Picture, Renderer, Scene, materials, models, presets, show
+from . import live
 from ._view import View, view
 
 __all__ = [
-    "Cancelled", "Error", "Grid", "InputError", "Metrics", "Picture", "Points", "Report", "Scene",
-    "Session", "SuppleWarning", "SystemError", "UsageError", "View", "Volume", "Warp", "apply",
-    "augment", "compose", "fit", "invert", "materials", "metrics", "models", "open", "presets",
-    "read_warp", "resample", "show", "view"]
+    "Cancelled", "Error", "Grid", "InputError", "Metrics", "Picture", "Points", "Renderer",
+    "Report", "Scene", "Session", "SuppleWarning", "SystemError", "UsageError", "View", "Volume",
+    "Warp", "apply", "augment", "compose", "fit", "invert", "live", "materials", "metrics",
+    "models", "open", "presets", "read_warp", "resample", "show", "view"]
