@@ -4,6 +4,8 @@
 
 #include "raycast/march/changed_pixels.h"
 #include "raycast/march/march_pixels.h"
+#include "volumes/base/relayed_progress.h"
+#include "volumes/base/stopwatch.h"
 
 namespace supple {
 
@@ -24,12 +26,11 @@ void copy_pixel(const FloatImage& from, std::size_t pixel, FloatImage& to) {
   copy(from.offset_mm, 1, to.offset_mm);
 }
 
-class Cancellation final : public Progress {
+class Cancellation final : public RelayedProgress {
  public:
-  explicit Cancellation(const std::atomic<bool>& flag) : m_flag(flag) {}
-  void stage(std::string_view) override {}
-  void update(double) override {}
-  bool cancelled() const override { return m_flag; }
+  Cancellation(const std::atomic<bool>& flag, Progress* next)
+      : RelayedProgress(next), m_flag(flag) {}
+  bool cancelled() const override { return m_flag || RelayedProgress::cancelled(); }
 
  private:
   const std::atomic<bool>& m_flag;
@@ -121,13 +122,13 @@ void ProgressiveRender::take_over(const ProgressiveRender& before) {
   m_first_spacing = first_spacing(m_changed_pixels, std::int64_t(m_picture.pixel_count()));
 }
 
-bool ProgressiveRender::refine_to(int spacing) {
+bool ProgressiveRender::refine_to(int spacing, Progress* progress) {
   if (finished()) return false;
   spacing = std::min(spacing, next_spacing());
-  Cancellation progress(m_cancelled);
+  Cancellation either(m_cancelled, progress);
   try {
-    m_samples += march_pixels(*m_context, m_camera, {spacing, m_spacing}, m_picture, &progress,
-                              m_marks.get());
+    m_samples +=
+        march_pixels(*m_context, m_camera, {spacing, m_spacing}, m_picture, &either, m_marks.get());
   } catch (const Cancelled&) {
     return false;
   }
@@ -148,6 +149,34 @@ FloatImage ProgressiveRender::picture() const {
   repeat(*m_marks, picture.normal_lps, picture.width, m_spacing, 3);
   repeat(*m_marks, picture.offset_mm, picture.width, m_spacing, 1);
   return picture;
+}
+
+FloatImage FollowedPictures::render(const Renderer& renderer, const Camera& camera,
+                                    const TransferFunction& transfer_function,
+                                    const RenderSettings& settings, const std::string& view,
+                                    RenderReport* report, Progress* progress) {
+  stage(progress, "rendering");
+  const std::unique_ptr<ProgressiveRender> last = std::move(m_last);
+  const bool follows = last && m_renderer == &renderer && m_view == view;
+  // Which surface is seen is not taken over.
+  if (settings.tells_surfaces) {
+    return renderer.render_float(camera, transfer_function, settings, report, progress);
+  }
+  const Stopwatch preparing;
+  auto next =
+      follows && last->may_be_followed()
+          ? last->follow()
+          : std::make_unique<ProgressiveRender>(renderer, camera, transfer_function, settings);
+  const double prepare_ms = preparing.ms();
+  const Stopwatch marching;
+  if (!next->refine_to(1, progress)) throw Cancelled();
+  if (report != nullptr) {
+    *report = {next->samples(), next->changed_pixels(), prepare_ms, marching.ms(), 0};
+  }
+  m_last = std::move(next);
+  m_renderer = &renderer;
+  m_view = view;
+  return m_last->picture();
 }
 
 }  // namespace supple

@@ -36,7 +36,8 @@ class ProgressiveRender {
   /// The next pass; false when it was cancelled or nothing is left to do.
   bool refine() { return refine_to(next_spacing()); }
   /// The next passes up to this spacing (1, 2, 4 or 8) as one, which takes less time; at least one.
-  bool refine_to(int spacing);
+  /// `progress` may cancel it, too.
+  bool refine_to(int spacing, Progress* progress = nullptr);
   /// Cancels from any thread and for good: passes return after at most 16 pixels per thread.
   void cancel() { m_cancelled = true; }
 
@@ -76,6 +77,23 @@ class ProgressiveRender {
   int m_first_spacing, m_spacing = 0;
   std::int64_t m_samples = 0;
   std::atomic<bool> m_cancelled{false};
+};
+
+/// Pictures one after the other, of which one in the same view as the last follows it.
+class FollowedPictures {
+ public:
+  /// The picture of Renderer::render_float, bit for bit; the report counts what was marched, and no
+  /// memory. The renderer must live until another one, or forget(). `view`: a text that differs
+  /// where camera, function or settings do. Throws as render_float.
+  FloatImage render(const Renderer& renderer, const Camera& camera,
+                    const TransferFunction& transfer_function, const RenderSettings& settings,
+                    const std::string& view, RenderReport* report, Progress* progress);
+  void forget() { m_last.reset(); }
+
+ private:
+  std::unique_ptr<ProgressiveRender> m_last;  // finished
+  const Renderer* m_renderer = nullptr;       // of m_last
+  std::string m_view;
 };
 
 }  // namespace supple

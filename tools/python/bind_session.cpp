@@ -1,7 +1,11 @@
 // A session: a live session of the program, so that events, undo, journals and states are its own.
+#include <chrono>
 #include <mutex>
+#include <thread>
 
 #include "lib/session/deformable_mesh.h"
+#include "lib/session/step_model.h"
+#include "raycast/pictures/image.h"
 #include "tools/python/attended.h"
 #include "tools/python/bindings.h"
 #include "tools/python/python_arrays.h"
@@ -9,13 +13,13 @@
 #include "tools/python/sent_through.h"
 #include "tools/scene/augment/augmentation.h"
 #include "tools/scene/file/scene.h"
+#include "tools/scene/live/hand_lead.h"
+#include "tools/scene/live/kept_pictures.h"
 #include "tools/scene/live/live_session.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/live/step_texts.h"
-#include "tools/scene/pictures/picture_writer.h"
-#include "tools/scene/run/frames.h"
 #include "tools/scene/run/reports.h"
-#include "tools/scene/run/view_pictures.h"
+#include "volumes/base/atomic_file.h"
 #include "volumes/field/dense/resample.h"
 #include "volumes/grid/b_spline.h"
 
@@ -31,18 +35,6 @@ tools::AugmentParams augment_params(const Value& keys) {
   tools::AugmentParams params;
   read_keys(keys, fields(params));
   return params;
-}
-
-/// Pose of a state with a part of its displacement, settled again.
-Pose scaled_pose(const State& state, const Pose& whole, double amount, Progress& progress) {
-  Displacement scaled = whole.displacement;
-  for (std::size_t b = 0; b < scaled.u.topology.brick_count(); ++b) {
-    if (scaled.u.vectors.brick(b) == nullptr) continue;
-    Vec3f* const u = scaled.u.vectors.touch(b);
-    for (int n = 0; n < kBrickVoxels; ++n) u[n] *= float(amount);
-  }
-  OffsetField offsets = invert_displacement(state, scaled, &progress);
-  return {std::move(scaled), std::move(offsets)};
 }
 
 /// One thread at a time; whoever waits for it attends to signals, too.
@@ -76,6 +68,7 @@ class HeldSession {
     });
   }
 
+  LiveSession& live() { return *m_live; }
   Geometry grid() const { return m_live->session().geometry(); }
 
   Value certificate(const py::object& callback) {
@@ -175,40 +168,31 @@ class HeldSession {
                        callback);
   }
 
-  /// A view as a scene has it, into its `image`, with this part of the displacement.
-  Value draw(const Value& keys, double amount, const py::object& callback) {
-    return with(callback, [&](LiveSession& live, Progress& progress) {
-      Table table(keys);
-      tools::SceneView view = tools::read_view(table, 0);
-      tools::check_view(view);
-      Session& session = live.session();
-      const State state = session.state();
-      const Pose* pose = &session.pose(&progress);
-      std::optional<Pose> part, own;
-      if (amount != 1) pose = &part.emplace(scaled_pose(state, *pose, amount, progress));
-      if (!view.path.empty()) pose = &own.emplace(tools::send_along(view.path, *pose, progress));
-      if (!view.deformed) pose = nullptr;
-      view = tools::effective_view(view, state.geometry, state.density.background());
-      const bool solves = pose != nullptr && !view.inverse;
-      const bool reads = pose != nullptr && (solves || tools::reads_displacement(view));
-      const MaterialTable& material = session.material();
-      const tools::PosedVolume subject{state.geometry,
-                                       state.density,
-                                       state.elements,
-                                       pose == nullptr || solves ? nullptr : &pose->offsets,
-                                       reads ? &pose->displacement : nullptr,
-                                       material.domain_lo,
-                                       material.domain_hi,
-                                       0,
-                                       &state.elements,
-                                       &state.cuts,
-                                       &state.labels};
-      tools::PendingFiles files;
-      tools::PictureWriter writer(files, view.image, view.picture);
-      RenderReport report;
-      tools::draw_view(subject, view, writer, &report, progress);
-      files.commit();
-      return tools::to_value(report);
+  /// The body in hand as a page is told of it: what leads, how far it came, error and force.
+  Value hand(const py::object& callback) {
+    return with(callback, [](LiveSession& live, Progress&) {
+      const bool waits = live.hand().grab && live.model().waits_for_hands;
+      Value told = {{"model", (waits ? step_models().front() : live.model()).name}};
+      if (live.hand().led) told.update(tools::to_value(*live.hand().led));
+      if (const tools::HandLead* const lead = live.lead()) {
+        told.update(tools::to_value(lead->state()));
+        if (lead->has_level()) told["model"] = live.model().name;
+      }
+      return told;
+    });
+  }
+
+  /// Waits until the best of finite elements under the hand leads.
+  void wait_for_hand(const py::object& callback) {
+    with(callback, [](LiveSession& live, Progress& progress) {
+      tools::HandLead* const lead = live.lead();
+      if (lead == nullptr) return false;
+      lead->found(&progress);
+      for (; lead->is_changing(); std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
+        poll(&progress);
+        lead->shape();
+      }
+      return true;
     });
   }
 
@@ -258,6 +242,70 @@ class HeldSession {
   Value m_settings;
 };
 
+/// A picture in memory, and as a file when somebody asks for that.
+class TakenPicture {
+ public:
+  TakenPicture(tools::SinglePicture drawn, bool has_16_bits)
+      : m_drawn(std::move(drawn)), m_image(to_image(m_drawn.picture)), m_has_16_bits(has_16_bits) {
+    if (!m_has_16_bits) m_drawn.picture = {};
+  }
+
+  /// The pixels, which are not copied, rows from the top. They keep `self`, this.
+  static py::array pixels(const py::object& self) {
+    const Image& image = self.cast<const TakenPicture&>().m_image;
+    return py::array_t<std::uint8_t>({image.height, image.width, 4}, image.rgba.data(), self);
+  }
+  void save(const std::string& path, const py::object& callback) const {
+    attend(callback, [&](Progress&) {
+      AtomicFile file(path);
+      if (m_has_16_bits) {
+        write_png16(file, m_drawn.picture, m_drawn.configuration);
+      } else {
+        write_png(file, m_image, m_drawn.configuration);
+      }
+      file.commit();
+    });
+  }
+
+ private:
+  tools::SinglePicture m_drawn;
+  Image m_image;
+  bool m_has_16_bits;
+};
+
+/// Pictures of a session, which must outlive them, or of a volume.
+class HeldPictures {
+ public:
+  explicit HeldPictures(HeldSession& session)
+      : m_kept(std::make_unique<tools::BodyPictures>(session.live())), m_session(&session) {}
+  explicit HeldPictures(const Value& root)
+      : m_kept(std::make_unique<tools::VolumePictures>(tools::read_scene(Table(root)))) {}
+
+  /// The picture and the report of how it was drawn.
+  py::tuple draw(const Value& keys, double amount, const py::object& callback) {
+    Table table(keys);
+    const tools::SceneView view = tools::read_view(table, 0);
+    RenderReport report;
+    const auto draw = [&](Progress& progress) {
+      return std::make_unique<TakenPicture>(m_kept->draw(view, amount, report, progress),
+                                            view.picture.bits == 16);
+    };
+    std::unique_ptr<TakenPicture> taken =
+        m_session != nullptr
+            ? m_session->with(callback, [&](LiveSession&, Progress& to) { return draw(to); })
+            : attended(callback, [&](Progress& to) {
+                const std::lock_guard lock(m_guard);
+                return draw(to);
+              });
+    return py::make_tuple(std::move(taken), tools::to_value(report));
+  }
+
+ private:
+  std::unique_ptr<tools::KeptPictures> m_kept;
+  HeldSession* m_session = nullptr;
+  std::mutex m_guard;  // of a volume
+};
+
 }  // namespace
 
 void bind_session(py::module_& module) {
@@ -273,12 +321,20 @@ void bind_session(py::module_& module) {
       .def("move_labels", &HeldSession::move_labels)
       .def("measure", &HeldSession::measure)
       .def("sample", &HeldSession::sample)
-      .def("draw", &HeldSession::draw)
+      .def("hand", &HeldSession::hand)
+      .def("wait_for_hand", &HeldSession::wait_for_hand)
       .def("facts", &HeldSession::facts)
       .def("hash", &HeldSession::hash)
       .def("save", &HeldSession::save)
       .def("journal", &HeldSession::journal)
       .def("scene", &HeldSession::scene);
+  py::class_<TakenPicture>(module, "TakenPicture")
+      .def_property_readonly("array", &TakenPicture::pixels)
+      .def("save", &TakenPicture::save);
+  py::class_<HeldPictures>(module, "HeldPictures")
+      .def(py::init<HeldSession&>(), py::keep_alive<1, 2>())
+      .def(py::init<const Value&>())
+      .def("draw", &HeldPictures::draw);
   module.def("check_augment", [](const Value& keys) { augment_params(keys); });
 }
 

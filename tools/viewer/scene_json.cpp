@@ -70,18 +70,6 @@ Value history_json(const std::vector<History::Entry>& entries) {
   return list;
 }
 
-Value drag_json(const LiveHand::Led& led) {
-  constexpr double kWholeMm = 1e-3, kWholeDegrees = 1e-3;
-  const bool is_whole = (led.asked - led.reached).length() < kWholeMm &&
-                        std::abs(led.asked_deg - led.reached_deg) < kWholeDegrees;
-  Value json = {{"asked", led.asked}, {"reached", led.reached}, {"moved", led.moved}};
-  if (led.asked_deg > 0 || led.reached_deg > 0) {
-    json["turn"] = {{"asked", led.asked_deg}, {"reached", led.reached_deg}};
-  }
-  json["stopped_by"] = is_whole ? Value(nullptr) : Value(led.by_cut ? "cut" : "held");
-  return json;
-}
-
 Value memory_json(const Session& session, const LivePicture::Memory& memory) {
   const auto part = [](const char* name, std::size_t bytes, const char* why) {
     return Value{{"part", name}, {"bytes", bytes}, {"why", why}};
@@ -119,16 +107,6 @@ Value shown_slices(const SliceSettings& slices, const ScalarRange& range) {
     }
   }
   return json;
-}
-
-/// The error that is left, where it is known, and the force at the handle.
-Value lead_json(const LeadState& state) {
-  Value lead = {{"level", state.pose.level}, {"done", state.is_done}};
-  if (state.pose.level < 0) return lead;
-  lead["edge_voxels"] = 1 << state.pose.doublings;
-  lead["force_n"] = state.force_n.length();
-  if (std::isfinite(state.pose.error_mm)) lead["error_mm"] = state.pose.error_mm;
-  return lead;
 }
 
 }  // namespace
@@ -238,7 +216,7 @@ Value SceneDescription::body() {
     event.update(keys_of(*grab));
     scene["grab"] = {{"event", event}, {"reached", hand.reached}, {"page", grab->page}};
   }
-  if (hand.led) scene["drag"] = drag_json(*hand.led);
+  if (hand.led) scene["drag"] = to_value(*hand.led);
   const Displacement& moved = m_picture.displacement();
   scene["handles"] = handles_json(held, of_state, state, moved);
   scene["anchors"] = anchors_json(held, of_state, state, moved);
@@ -250,7 +228,7 @@ Value SceneDescription::body() {
   scene["limits"] = limits[std::size_t(m_live.limits())];
   scene["model"] = m_live.model().name;
   scene["under_hand"] = m_live.is_under_hand();
-  if (m_live.lead() != nullptr) scene["lead"] = lead_json(m_live.lead()->state());
+  if (m_live.lead() != nullptr) scene["lead"] = to_value(m_live.lead()->state());
   scene["relaxing"] = m_live.passes_left();
   scene["settling"] = m_live.has_more();
   scene["relaxes"] = session.material().relaxes;

@@ -17,7 +17,7 @@ from cases import AFFINE, head
 
 ROOT = os.environ["SUPPLE_SOURCE_DIR"]
 PAGES = ["README.md", "docs/python.md"]
-MODULES = [(supple, ""), (supple.augment, "augment.")]
+MODULES = [(supple, ""), (supple.augment, "augment."), (supple.live, "live.")]
 if importlib.util.find_spec("dask") and importlib.util.find_spec("zarr"):
     PAGES.append("docs/big_arrays.md")
     import supple.dask

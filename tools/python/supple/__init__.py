@@ -20,11 +20,12 @@ from ._warp import (Points, Straight, Warp, apply, compose, fit, invert, metrics
                     resample, straighten)
 from ._session import Metrics, Report, Session
 from . import augment
-from ._scene import Picture, Scene, materials, models, presets, show
+from ._scene import Picture, Renderer, Scene, materials, models, presets, show
+from . import live
 from ._view import View, view
 
 __all__ = [
-    "Cancelled", "Error", "Grid", "InputError", "Metrics", "Picture", "Points", "Report", "Scene",
-    "Session", "Straight", "SuppleWarning", "SystemError", "UsageError", "View", "Volume", "Warp",
-    "apply", "augment", "compose", "fit", "invert", "materials", "metrics", "models", "open",
-    "presets", "read_warp", "resample", "show", "straighten", "view"]
+    "Cancelled", "Error", "Grid", "InputError", "Metrics", "Picture", "Points", "Renderer",
+    "Report", "Scene", "Session", "Straight", "SuppleWarning", "SystemError", "UsageError", "View",
+    "Volume", "Warp", "apply", "augment", "compose", "fit", "invert", "live", "materials",
+    "metrics", "models", "open", "presets", "read_warp", "resample", "show", "straighten", "view"]

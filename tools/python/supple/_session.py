@@ -70,6 +70,7 @@ class Session:
             root["labels"] = {"path": os.fspath(self._labels)}
         root.update(tables)
         self._held = _supple.HeldSession(root, progress)
+        self._renderer: Any = None  # of its own pictures
 
     def event(self, kind: str, *, progress: Progress = None, **keys: Any) -> Optional[Report]:
         """One event of a live session (docs/live.md): grab, push, drag, release, cut, anchor,

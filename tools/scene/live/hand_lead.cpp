@@ -1,6 +1,7 @@
 #include "tools/scene/live/hand_lead.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "lib/session/kept_voxels.h"
@@ -27,6 +28,15 @@ class Listening final : public Progress {
 };
 
 }  // namespace
+
+Value to_value(const LeadState& state) {
+  Value lead = {{"level", state.pose.level}, {"done", state.is_done}};
+  if (state.pose.level < 0) return lead;
+  lead["edge_voxels"] = 1 << state.pose.doublings;
+  lead["force_n"] = state.force_n.length();
+  if (std::isfinite(state.pose.error_mm)) lead["error_mm"] = state.pose.error_mm;
+  return lead;
+}
 
 AheadThread::AheadThread(SessionBody& in, const FemStep& step) : m_solid(in, step) {
   m_thread = std::thread([this] {

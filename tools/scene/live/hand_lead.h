@@ -14,6 +14,7 @@
 #include "lib/session/hand/live_shape.h"
 #include "lib/session/hand/solid_ahead.h"
 #include "volumes/base/progress.h"
+#include "volumes/base/value.h"
 
 namespace supple::tools {
 
@@ -24,6 +25,10 @@ struct LeadState {
                 0};  // with which the body pulls at the handle, LPS; 0 before a level is there
   bool is_done = false;
 };
+
+/// Its edges of elements in voxels, the error that is left, where it is known, and the size of the
+/// force.
+Value to_value(const LeadState& state);
 
 /// Makes a solid ahead on a thread of its own.
 class AheadThread {

@@ -115,12 +115,13 @@ void LiveBody::show_forward() {
 }
 
 void LiveBody::show_inverse(OffsetResolution resolution) {
-  if (m_shown == Shown::inverse && !m_is_stale) return;
+  const bool is_other = std::exchange(m_resolution, resolution) != resolution;
+  if (m_shown == Shown::inverse && !m_is_stale && !is_other) return;
   const Stopwatch time;
   const double bricks = double(m_for_inverse.size());
   const bool follows = std::exchange(m_renderer_follows, false);  // unless it throws
   const std::vector<Vec3i> touched = update_inverse();
-  if (!follows || resolution == OffsetResolution::half) {
+  if (!follows || is_other || resolution == OffsetResolution::half) {
     m_renderer->set_offsets(&inverse(), resolution);
   } else {
     m_renderer->update_offsets(touched, m_inversion->finder(), m_inversion->split());

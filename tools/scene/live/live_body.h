@@ -59,6 +59,7 @@ class LiveBody {
   double longest_mm() const;
   const LinkCuts& cuts() const { return m_cuts; }  // as they were followed last
   const Renderer& renderer() const { return *m_renderer; }
+  Renderer& renderer() { return *m_renderer; }
   const ForwardOffsets& forward() const { return *m_forward; }
   /// The inverse as show_inverse() has left it.
   const OffsetField& inverse();
@@ -85,6 +86,7 @@ class LiveBody {
   Changed m_for_forward, m_for_inverse;  // bricks in which the displacement has changed since
   enum class Shown { nothing, forward, inverse, rest };
   Shown m_shown = Shown::nothing;
+  OffsetResolution m_resolution = OffsetResolution::full;
   bool m_renderer_follows = false;     // the renderer has kept all offsets of m_inversion so far
   std::optional<OffsetField> m_field;  // those of m_inversion, copied
   LinkCuts m_cuts;

@@ -209,4 +209,16 @@ History history_of(const LiveHistory& history) {
           entries_of(history.undone, history.undone_looks, true)};
 }
 
+Value to_value(const LiveHand::Led& led) {
+  constexpr double kWholeMm = 1e-3, kWholeDegrees = 1e-3;
+  const bool is_whole = (led.asked - led.reached).length() < kWholeMm &&
+                        std::abs(led.asked_deg - led.reached_deg) < kWholeDegrees;
+  Value json = {{"asked", led.asked}, {"reached", led.reached}, {"moved", led.moved}};
+  if (led.asked_deg > 0 || led.reached_deg > 0) {
+    json["turn"] = {{"asked", led.asked_deg}, {"reached", led.reached_deg}};
+  }
+  json["stopped_by"] = is_whole ? Value(nullptr) : Value(led.by_cut ? "cut" : "held");
+  return json;
+}
+
 }  // namespace supple::tools

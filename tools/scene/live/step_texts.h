@@ -25,4 +25,7 @@ struct History {
 };
 History history_of(const LiveHistory& history);
 
+/// The places that a hand was led to and has reached, the elements that moved, and what stopped it.
+Value to_value(const LiveHand::Led& led);
+
 }  // namespace supple::tools

@@ -4,6 +4,7 @@
 #include "raycast/scene/camera.h"
 #include "raycast/scene/framing.h"
 #include "raycast/scene/stereo.h"
+#include "tools/scene/run/kept_renderer.h"
 #include "tools/scene/run/overlay_paint.h"
 #include "tools/scene/run/staging.h"
 #include "tools/scene/run/view_record.h"
@@ -131,7 +132,7 @@ CameraPath camera_path_of(const PosedVolume& subject, const Renderer* renderer, 
 class ViewDrawing {
  public:
   ViewDrawing(const PosedVolume& subject, const SceneView& view, const Film* film,
-              RenderReport* report, Progress& progress)
+              RenderReport* report, Progress& progress, const KeptRenderer* kept = nullptr)
       : m_subject(subject),
         m_view(view),
         m_film(film != nullptr ? *film : Film()),
@@ -148,7 +149,14 @@ class ViewDrawing {
     const bool colours_motion = marks.shows_displacement() && !marks.overlay_range;
     marks = with_overlay_range(marks, colours_motion ? longest_offset_mm(subject) : 0);
     const bool marches = !view.lattice && !view.slice && view.caster == Caster::supple;
-    if (marches) m_renderer = make_renderer(subject, m_view);
+    if (marches && kept != nullptr) {
+      m_marched_by = &kept->renderer;
+      m_followed = &kept->followed;
+      if (has_surfaces(m_view)) pose_surfaces(kept->renderer, subject, m_view);
+    } else if (marches) {
+      m_renderer = make_renderer(subject, m_view);
+      m_marched_by = m_renderer.get();
+    }
     if (view.slice) {
       m_view.slice = effective_slice(*m_view.slice, subject.geometry, subject.density);
     } else {
@@ -157,8 +165,8 @@ class ViewDrawing {
       const bool turns = std::any_of(view.camera_keys.begin(), view.camera_keys.end(),
                                      [](const CameraKey& key) { return key.turn_deg; });
       if (turns) framing.picture.turntable = 1;  // in sight all the way round
-      m_camera = framed_camera(subject, m_renderer.get(), framing, progress);
-      m_path = camera_path_of(subject, m_renderer.get(), framing, progress);
+      m_camera = framed_camera(subject, m_marched_by, framing, progress);
+      m_path = camera_path_of(subject, m_marched_by, framing, progress);
       m_view.fit.clear();
       m_view.zoom = 1;
       m_zoom = view.zoom;
@@ -174,6 +182,12 @@ class ViewDrawing {
       write_picture(picture, n, fraction, writer);
     }
     writer.finish();
+  }
+
+  SinglePicture draw_single() {
+    FloatImage picture = draw_eyes(m_subject, frame_view(0));
+    warn_of_nothing(0);
+    return {std::move(picture), describe(frame_view(0), 0, 1)};
   }
 
   void draw_frame(const PosedVolume& subject, const std::vector<MeshChoice>& meshes,
@@ -202,11 +216,14 @@ class ViewDrawing {
     return frame;
   }
 
+  void warn_of_nothing(int n) {
+    if (m_marched_by == nullptr || m_is_seen) return;
+    m_progress.warn(m_view.image + ": nothing is to be seen in the picture" +
+                    (m_options.is_series() ? ", number " + std::to_string(n) : ""));
+  }
+
   void write_picture(const FloatImage& picture, int n, double fraction, PictureWriter& writer) {
-    if (m_renderer && !m_is_seen) {
-      m_progress.warn(m_view.image + ": nothing is to be seen in the picture" +
-                      (m_options.is_series() ? ", number " + std::to_string(n) : ""));
-    }
+    warn_of_nothing(n);
     const Camera camera = camera_at(n);
     const bool is_view = !m_view.slice && m_options.stereo == StereoMode::none;
     writer.write({picture, n, describe(frame_view(n), n, fraction), m_offset_range,
@@ -295,7 +312,8 @@ class ViewDrawing {
 
   FloatImage draw_one(const PosedVolume& subject, const SceneView& frame) {
     RenderReport report;
-    FloatImage picture = draw(subject, m_renderer.get(), frame, &report, m_progress);
+    FloatImage picture =
+        draw_following(subject, m_marched_by, frame, m_followed, &report, m_progress);
     add(report, m_report);
     m_is_seen = m_is_seen || !is_empty(picture);
     if (!frame.slice) decorate(picture, subject, frame);
@@ -320,7 +338,9 @@ class ViewDrawing {
   const PictureOptions& m_options;
   RenderReport* m_report;
   Progress& m_progress;
-  std::unique_ptr<Renderer> m_renderer;
+  std::unique_ptr<Renderer> m_renderer;    // null: a kept one, or none
+  const Renderer* m_marched_by = nullptr;  // null: of slices and lattices
+  FollowedPictures* m_followed = nullptr;
   Camera m_camera;
   CameraPath m_path;
   double m_zoom = 1;
@@ -353,6 +373,15 @@ void draw_view(const PosedVolume& subject, const SceneView& view, PictureWriter&
                RenderReport* report, Progress& progress) {
   try {
     ViewDrawing(subject, view, nullptr, report, progress).draw_all(writer);
+  } catch (const InputError& error) {
+    rethrow_at(view.place, error);
+  }
+}
+
+SinglePicture draw_single(const PosedVolume& subject, const SceneView& view,
+                          const KeptRenderer* kept, RenderReport* report, Progress& progress) {
+  try {
+    return ViewDrawing(subject, view, nullptr, report, progress, kept).draw_single();
   } catch (const InputError& error) {
     rethrow_at(view.place, error);
   }

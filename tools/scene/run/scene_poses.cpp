@@ -6,6 +6,7 @@
 
 #include "lib/material/material.h"
 #include "tools/scene/run/scene_run.h"
+#include "tools/scene/run/space_marks.h"
 #include "volumes/base/text.h"
 #include "volumes/io/format/volume_file.h"
 #include "volumes/io/load/load.h"
@@ -284,18 +285,10 @@ const Pose* ScenePoses::posed_volume_for(SceneView& view, OwnPose& own) {
 
 /// The mesh bodies as they are now, of a session or of a state that nothing moves.
 void ScenePoses::add_meshes(SceneView& view) const {
+  if (m_session) return add_mesh_bodies(m_session->meshes(), m_state.geometry, view);
   std::vector<DeformableMesh> of_state;
-  if (!m_session) {
-    for (const Value& record : m_state.meshes) of_state.emplace_back(record, m_scene.volume_path);
-  }
-  for (const DeformableMesh& mesh : m_session ? m_session->meshes() : of_state) {
-    const MeshSetup& setup = mesh.setup();
-    LineNetwork shape = mesh.shape();
-    if (shape.mesh.triangles.empty() || setup.opacity == 0) continue;
-    view.meshes.push_back({setup.place, setup.path,
-                           std::make_shared<const TriangleMesh>(std::move(shape.mesh)), setup.rgb,
-                           setup.opacity, false});
-  }
+  for (const Value& record : m_state.meshes) of_state.emplace_back(record, m_scene.volume_path);
+  add_mesh_bodies(of_state, m_state.geometry, view);
 }
 
 PosedView ScenePoses::drawn_after(int step, const SceneView& view) {
@@ -313,7 +306,7 @@ PosedView ScenePoses::drawn_after(int step, const SceneView& view) {
   }
   SceneView drawn = effective_view(asked, m_state.geometry, m_state.density.background());
   if (offsets != nullptr && !reads_displacement(drawn)) moved = nullptr;
-  if (!drawn.slice && !drawn.lattice && m_state.geometry.dims().z > 1) add_meshes(drawn);
+  add_meshes(drawn);
   const BrickTopology& elements = m_is_volume ? m_state.density.bricks() : m_state.elements;
   return {std::move(drawn),
           {m_state.geometry, m_state.density, elements, offsets, moved, m_grey_lo, m_grey_hi,

@@ -149,6 +149,19 @@ RestPlaceAt rest_place_of(const PosedVolume& subject) {
   };
 }
 
+void add_mesh_bodies(const std::vector<DeformableMesh>& meshes, const Geometry& geometry,
+                     SceneView& view) {
+  if (view.slice || view.lattice || geometry.dims().z == 1) return;
+  for (const DeformableMesh& mesh : meshes) {
+    const MeshSetup& setup = mesh.setup();
+    LineNetwork shape = mesh.shape();
+    if (shape.mesh.triangles.empty() || setup.opacity == 0) continue;
+    view.meshes.push_back({setup.place, setup.path,
+                           std::make_shared<const TriangleMesh>(std::move(shape.mesh)), setup.rgb,
+                           setup.opacity, false});
+  }
+}
+
 std::vector<Surface> surfaces_of(const PosedVolume& subject, const SceneView& view) {
   for (const MeshChoice& mesh : view.meshes) {
     if (mesh.deform) require_displacement(subject, mesh.place, "deform");

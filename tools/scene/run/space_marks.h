@@ -7,6 +7,10 @@
 
 namespace supple::tools {
 
+/// Adds mesh bodies as they are now to an effective view of a volume, where it shows them.
+void add_mesh_bodies(const std::vector<DeformableMesh>& meshes, const Geometry& geometry,
+                     SceneView& view);
+
 /// All surfaces that a view shows with the subject in its pose: its meshes, arrows up to
 /// `view.picture.offset_max_mm`, which is known, and labels. Throws InputError for marks that the
 /// subject has no data for.

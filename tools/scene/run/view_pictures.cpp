@@ -5,9 +5,11 @@
 
 #include "raycast/drawings/lattice.h"
 #include "raycast/scene/stereo.h"
+#include "tools/scene/run/kept_renderer.h"
 #include "tools/scene/run/reports.h"
 #include "tools/scene/run/slice_pictures.h"
 #include "tools/scene/run/space_marks.h"
+#include "tools/scene/run/view_record.h"
 #include "tools/scene/run/vtk_picture.h"
 #include "volumes/base/error.h"
 #include "volumes/field/inversion/forward_offsets.h"
@@ -185,9 +187,15 @@ void pose(Renderer& renderer, const PosedVolume& subject, const SceneView& view)
     renderer.set_offsets(subject.offsets,
                          view.half_offsets ? OffsetResolution::half : OffsetResolution::full);
   }
-  if (!view.meshes.empty() || view.marks.has_surfaces()) {
-    renderer.set_surfaces(surfaces_of(subject, view));
-  }
+  if (has_surfaces(view)) pose_surfaces(renderer, subject, view);
+}
+
+bool has_surfaces(const SceneView& view) {
+  return !view.meshes.empty() || view.marks.has_surfaces();
+}
+
+void pose_surfaces(Renderer& renderer, const PosedVolume& subject, const SceneView& view) {
+  renderer.set_surfaces(surfaces_of(subject, view));
 }
 
 namespace {
@@ -221,6 +229,12 @@ void warn_of_clear_voxels(const PosedVolume& subject, const TransferFunction& lo
 
 FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const SceneView& view,
                 RenderReport* report, Progress& progress) {
+  return draw_following(subject, renderer, view, nullptr, report, progress);
+}
+
+FloatImage draw_following(const PosedVolume& subject, const Renderer* renderer,
+                          const SceneView& view, FollowedPictures* followed, RenderReport* report,
+                          Progress& progress) {
   if (view.slice) {
     return draw_slices(
         {subject.geometry, subject.density, subject.outlined, subject.offsets, subject.elements},
@@ -241,8 +255,12 @@ FloatImage draw(const PosedVolume& subject, const Renderer* renderer, const Scen
   if (view.caster == Caster::vtk) return draw_by_vtk(subject, view, progress);
   RenderSettings settings = view_settings(view);
   settings.clips = resolve_clips(view.clips, subject.geometry);
-  return renderer->render_float(camera_of(subject, view), look_of(view), settings, report,
-                                &progress);
+  const Camera camera = camera_of(subject, view);
+  if (followed == nullptr) {
+    return renderer->render_float(camera, look_of(view), settings, report, &progress);
+  }
+  return followed->render(*renderer, camera, look_of(view), settings,
+                          describe_view(view, Value::Entries()), report, &progress);
 }
 
 }  // namespace supple::tools
