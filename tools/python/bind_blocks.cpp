@@ -58,67 +58,49 @@ struct Blocks {
   }
 
   template <class T>
-  void resample_as(const BlockBox& box, const BlockOf<Vec3f>& vectors, const py::array& source,
-                   const Corner& first, bool is_nearest, double fill, py::array& out) const {
-    const py::array_t<T, py::array::c_style> values(source);
-    const BlockOf<T> held = {box_of(values, first, "source", 1), values.data()};
-    const IndexBox target = to_index_box(box);
-    const bool fits = box_of(out, box.first, "out", 1) == target &&
-                      py::isinstance<py::array_t<T, py::array::c_style>>(out);
-    if (!fits) throw InputError({"", "out", "an array that does not fit", "that of the box"});
-    T* const first_value = static_cast<T*>(out.mutable_data());
-    const py::gil_scoped_release others_run;
-    warp.resample(target, vectors, held, is_nearest, fill, first_value);
-  }
-
   void resample(const BlockBox& box, const VectorArray& vectors, const Corner& first_node,
-                const py::array& source, const Corner& first_voxel,
-                const std::string& interpolation, double fill, py::array out) const {
+                const py::array_t<T, py::array::c_style>& source, const Corner& first_voxel,
+                const std::string& interpolation, double fill,
+                py::array_t<T, py::array::c_style>& out) const {
     if (interpolation != "linear" && interpolation != "nearest") {
       throw InputError(
           {"", "interpolation", "\"" + interpolation + "\"", "\"linear\" or \"nearest\""});
     }
     const BlockOf<Vec3f> nodes = vectors_in(vectors, first_node);
-    const auto as = [&](auto type) {
-      resample_as<decltype(type)>(box, nodes, source, first_voxel, interpolation == "nearest", fill,
-                                  out);
-    };
-    switch (type_of(source)) {
-      case ValueType::int8:
-        return as(std::int8_t());
-      case ValueType::uint8:
-        return as(std::uint8_t());
-      case ValueType::int16:
-        return as(std::int16_t());
-      case ValueType::uint16:
-        return as(std::uint16_t());
-      case ValueType::int32:
-        return as(std::int32_t());
-      case ValueType::uint32:
-        return as(std::uint32_t());
-      case ValueType::int64:
-        return as(std::int64_t());
-      case ValueType::uint64:
-        return as(std::uint64_t());
-      case ValueType::float32:
-        return as(float());
-      default:
-        return as(double());
+    const BlockOf<T> held = {box_of(source, first_voxel, "source", 1), source.data()};
+    const IndexBox target = to_index_box(box);
+    if (!(box_of(out, box.first, "out", 1) == target)) {
+      throw InputError({"", "out", "an array that does not fit", "that of the box"});
     }
+    T* const first_value = out.mutable_data();
+    const py::gil_scoped_release others_run;
+    warp.resample(target, nodes, held, interpolation == "nearest", fill, first_value);
   }
 };
+
+/// The type is that of `out`.
+template <class... Types>
+void bind_resample(py::class_<Blocks>& blocks) {
+  using py::arg;
+  (blocks.def("resample", &Blocks::resample<Types>, arg("box"), arg("vectors"), arg("first_node"),
+              arg("source"), arg("first_voxel"), arg("interpolation"), arg("fill"),
+              arg("out").noconvert()),
+   ...);
+}
 
 }  // namespace
 
 void bind_blocks(py::module_& module) {
-  py::class_<Blocks>(module, "Blocks")
+  py::class_<Blocks> blocks(module, "Blocks");
+  blocks
       .def(py::init(
           [](const Geometry& volume, const Geometry& target, const std::optional<Geometry>& field) {
             return Blocks{BlockWarp(volume, target, field)};
           }))
       .def("nodes_of", &Blocks::nodes_of)
-      .def("voxels_of", &Blocks::voxels_of)
-      .def("resample", &Blocks::resample);
+      .def("voxels_of", &Blocks::voxels_of);
+  bind_resample<std::int8_t, std::uint8_t, std::int16_t, std::uint16_t, std::int32_t, std::uint32_t,
+                std::int64_t, std::uint64_t, float, double>(blocks);
 }
 
 }  // namespace supple::python

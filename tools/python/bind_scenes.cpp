@@ -12,6 +12,7 @@
 #include "tools/scene/run/output_plan.h"
 #include "tools/scene/run/run_report.h"
 #include "tools/scene/run/scene_run.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace py = pybind11;
 
@@ -25,33 +26,27 @@ tools::Scene scene_of(const Value& source) {
   return tools::read_scene(Table(source, "scene"));  // has a file: folders are made
 }
 
-/// Hands everything on and takes the time of stages.
-class TimedProgress final : public Progress {
+/// Takes the time of stages.
+class TimedProgress final : public RelayedProgress {
  public:
-  explicit TimedProgress(Progress& to) : m_to(to) {}
+  using RelayedProgress::RelayedProgress;
   void stage(std::string_view name) override {
     m_times.begin(name);
-    m_to.stage(name);
+    RelayedProgress::stage(name);
   }
-  void update(double fraction) override { m_to.update(fraction); }
-  bool cancelled() const override { return m_to.cancelled(); }
-  void warn(const std::string& line) override { m_to.warn(line); }
-  void note(const std::string& line) override { m_to.note(line); }
-  void debug(const std::string& line) override { m_to.debug(line); }
   const tools::StageSeconds& seconds() {
     m_times.end();
     return m_times.seconds();
   }
 
  private:
-  Progress& m_to;
   tools::StageTimes m_times;
 };
 
 Value run_scene(const Value& source, const std::string& folder, bool may_overwrite,
                 const py::object& callback) {
   return attended(callback, [&](Progress& listener) {
-    TimedProgress progress(listener);
+    TimedProgress progress(&listener);
     const tools::Scene scene = scene_of(source);
     for (const std::string& line : scene.warnings) progress.warn(line);
     tools::check_scene(scene, folder, may_overwrite);

@@ -40,18 +40,19 @@ Value facts_of(const VolumeHeader& header) {
   return facts;
 }
 
-py::tuple read_volume(const std::string& path, const Value& keys, const py::object& callback) {
-  const auto file = attended(callback, [&](Progress& progress) {
+std::unique_ptr<VolumeFile> volume_file_of(const std::string& path, const Value& keys,
+                                           const py::object& callback) {
+  return attended(callback, [&](Progress& progress) {
     return open_volume(path, read_options(keys), &progress);
   });
-  const Geometry& grid = file->header().geometry;
-  return py::make_tuple(values_of(*file, callback), grid, facts_of(file->header()));
+}
+
+py::array read_volume(const std::string& path, const Value& keys, const py::object& callback) {
+  return values_of(*volume_file_of(path, keys, callback), callback);
 }
 
 py::tuple open_header(const std::string& path, const Value& keys) {
-  const auto file = attended(py::none(), [&](Progress& progress) {
-    return open_volume(path, read_options(keys), &progress);
-  });
+  const auto file = volume_file_of(path, keys, py::none());
   return py::make_tuple(file->header().geometry, facts_of(file->header()));
 }
 
@@ -96,22 +97,22 @@ ResampleKernel kernel_of(const std::string& name) {
       {"", "interpolation", "\"" + name + "\"", "\"linear\", \"nearest\" or \"cubic\""});
 }
 
-py::tuple resample_to_spacing(const std::string& path, const Value& keys, const py::tuple& spacing,
-                              const std::string& interpolation, const py::object& callback) {
-  const Vec3d mm(spacing[0].cast<double>(), spacing[1].cast<double>(), spacing[2].cast<double>());
-  const auto file =
-      with_spacing(open_volume(path, read_options(keys)), mm, kernel_of(interpolation));
-  const Geometry& grid = file->header().geometry;
-  return py::make_tuple(values_of(*file, callback), grid);
-}
-
-py::tuple resample_to_grid(const std::string& path, const Value& keys, const Geometry& grid,
-                           const std::string& interpolation, const py::object& callback) {
-  const auto file = attended(callback, [&](Progress& progress) {
-    return on_grid(open_volume(path, read_options(keys)), grid, kernel_of(interpolation),
-                   &progress);
-  });
-  return py::make_tuple(values_of(*file, callback), grid);
+/// On a grid, or where there is none with this spacing.
+py::tuple resample_file(const std::string& path, const Value& keys,
+                        const std::optional<Geometry>& grid,
+                        const std::optional<std::array<double, 3>>& spacing,
+                        const std::string& interpolation, const py::object& callback) {
+  const ResampleKernel kernel = kernel_of(interpolation);
+  auto file = volume_file_of(path, keys, callback);
+  if (grid) {
+    file = attended(callback, [&](Progress& progress) {
+      return on_grid(std::move(file), *grid, kernel, &progress);
+    });
+  } else {
+    const auto& mm = spacing.value();
+    file = with_spacing(std::move(file), Vec3d(mm[0], mm[1], mm[2]), kernel);
+  }
+  return py::make_tuple(values_of(*file, callback), grid.value_or(file->header().geometry));
 }
 
 /// Values, vectors, grid and report of `supple straighten`.
@@ -135,11 +136,8 @@ py::tuple straighten(const std::string& path, const Value& keys, const PointArra
 
 /// The pixels of a file, rows from the top, which the array keeps without a copy.
 py::array pixels_of(const std::string& path) {
-  auto image = std::make_unique<Image>(read_png(path));
-  const std::vector<py::ssize_t> shape = {image->height, image->width, 4};
-  std::uint8_t* const pixels = image->rgba.data();
-  const py::capsule owner(image.release(), [](void* held) { delete static_cast<Image*>(held); });
-  return py::array_t<std::uint8_t>(shape, pixels, owner);
+  const Image image = read_png(path);
+  return py::array_t<std::uint8_t>({image.height, image.width, 4}, image.rgba.data());
 }
 
 }  // namespace
@@ -168,8 +166,7 @@ void bind_volumes(py::module_& module) {
   module.def("read_volume", &read_volume);
   module.def("open_header", &open_header);
   module.def("write_array", &write_array);
-  module.def("resample_to_spacing", &resample_to_spacing);
-  module.def("resample_to_grid", &resample_to_grid);
+  module.def("resample", &resample_file);
   module.def("straighten", &straighten);
   module.def("pixels_of", &pixels_of);
 }

@@ -225,16 +225,6 @@ class Session:
     def __repr__(self) -> str:
         return f"Session({self.elements} elements, {len(self.history[0])} steps, {self.grid!r})"
 
-    def _move_points(self, points: np.ndarray, back: bool, progress: Progress) -> tuple:
-        return self._held.move_points(points, back, progress)
-
-    def _move_labels(self, labels: _supple.StoredLabels, back: bool, grid: Grid,
-                     progress: Progress) -> np.ndarray:
-        return self._held.move_labels(labels, back, grid, progress)
-
-    def _measure(self, maps: bool, progress: Progress) -> tuple:
-        return self._held.measure(maps, progress)
-
 
 def material_keys(material: Any) -> Dict[str, Any]:
     """The table [material] of a scene for a name, a path or keys."""

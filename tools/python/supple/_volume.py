@@ -81,7 +81,7 @@ class Volume:
     def array(self) -> np.ndarray:
         """Values [k, j, i], read-only; float32 where the file has slope and intercept."""
         if self._array is None:
-            self._array = read_only(_supple.read_volume(self._path, self._read, None)[0])
+            self._array = read_only(_supple.read_volume(self._path, self._read, None))
         return self._array
 
     def __array__(self, dtype: Any = None) -> np.ndarray:

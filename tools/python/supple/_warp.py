@@ -184,11 +184,11 @@ def apply(deformation: Any, *, points: Any = None, labels: Any = None, back: boo
     body = as_deformation(deformation, direction)
     if points is not None:
         at = np.ascontiguousarray(points, dtype=np.float64)
-        return Points(*body._move_points(at, back, progress))
+        return Points(*body.move_points(at, back, progress))
     source = as_volume(labels)
     on = as_grid(grid) if grid is not None else body.grid
     stored = _supple.StoredLabels(os.fspath(source), progress)
-    return Volume(body._move_labels(stored, back, on, progress), on, name="labels")
+    return Volume(body.move_labels(stored, back, on, progress), on, name="labels")
 
 
 def metrics(deformation: Any, *, maps: bool = True, direction: Optional[str] = None,
@@ -197,7 +197,7 @@ def metrics(deformation: Any, *, maps: bool = True, direction: Optional[str] = N
     Warp, or the path of a state or warp; see Metrics. maps: False leaves the arrays out. direction:
     of a warp's file that does not record it. Raises InputError for what cannot be read."""
     from ._session import Metrics
-    summary, arrays = as_deformation(deformation, direction)._measure(maps, progress)
+    summary, arrays = as_deformation(deformation, direction).measure(maps, progress)
     return Metrics(summary, {name: read_only(array) for name, array in arrays.items()})
 
 
@@ -223,37 +223,31 @@ def resample(volume: Any, *, warp: Any = None, grid: Any = None, spacing: Any = 
                       on, name="resampled")
     keys = source.source()
     path = keys.pop("path")
-    if grid is not None:
-        array, on = _supple.resample_to_grid(path, keys, as_grid(grid), interpolation, progress)
-    else:
-        array, on = _supple.resample_to_spacing(path, keys, tuple(spacing), interpolation, progress)
+    array, on = _supple.resample(path, keys, None if grid is None else as_grid(grid), spacing,
+                                 interpolation, progress)
     return Volume(array, on, name="resampled")
 
 
 class _WarpBody:
-    """A warp behind the calls that a session has, too."""
+    """A warp behind the calls that a held session has, too."""
 
     def __init__(self, warp: Warp):
-        self._warp, self.grid = warp, warp.grid
+        self._vectors, self.grid = (warp.array, warp.grid, warp.direction), warp.grid
 
-    def _vectors(self) -> tuple:
-        return self._warp.array, self._warp.grid, self._warp.direction
+    def move_points(self, *arguments: Any) -> tuple:
+        return _supple.move_points(*self._vectors, *arguments)
 
-    def _move_points(self, points: np.ndarray, back: bool, progress: Progress) -> tuple:
-        return _supple.move_points(*self._vectors(), points, back, progress)
+    def move_labels(self, *arguments: Any) -> np.ndarray:
+        return _supple.warp_labels(*self._vectors, *arguments)
 
-    def _move_labels(self, labels: _supple.StoredLabels, back: bool, grid: Grid,
-                     progress: Progress) -> np.ndarray:
-        return _supple.warp_labels(*self._vectors(), labels, back, grid, progress)
-
-    def _measure(self, maps: bool, progress: Progress) -> tuple:
-        return _supple.measure(*self._vectors(), maps, progress)
+    def measure(self, *arguments: Any) -> tuple:
+        return _supple.measure(*self._vectors, *arguments)
 
 
 def as_deformation(thing: Any, direction: Optional[str] = None) -> Any:
     from ._session import Session
+    if not isinstance(thing, (Session, Warp)) and _supple.is_state(os.fspath(thing)):
+        thing = Session(thing)
     if isinstance(thing, Session):
-        return thing
-    if not isinstance(thing, Warp) and _supple.is_state(os.fspath(thing)):
-        return Session(thing)
+        return thing._held
     return _WarpBody(as_warp(thing, direction))
