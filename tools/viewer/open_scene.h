@@ -68,8 +68,7 @@ class OpenScene final : public LoopWatcher {
   LivePicture& picture() { return m_loop.picture(); }
   Curtain& curtain() { return m_curtain; }
   const ViewSettings& settings() const { return m_settings; }
-  PageProgress& progress() { return m_outlets.progress; }
-  Console& console() { return m_outlets.console; }
+  const SceneOutlets& outlets() const { return m_outlets; }
 
   void tell_scene();
   /// Draws a slice as the settings ask for it.

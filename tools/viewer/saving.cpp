@@ -94,7 +94,7 @@ void require_free(const PictureSeries& series, int length, const SaveRequest& re
 void add_turntable(OpenScene& scene, const SaveRequest& request, PictureSeries& series) {
   constexpr double kTurn = 6.283185307179586;
   const Camera camera = *scene.picture().view().camera.camera;
-  Progress& progress = scene.progress();
+  Progress& progress = scene.outlets().progress;
   progress.stage("turntable");
   for (int n = 0; n < request.frames; ++n) {
     report(&progress, double(n) / request.frames);
@@ -109,7 +109,8 @@ Replay replay_of(OpenScene& scene, const SaveRequest& request) {
   options.size = request.size;
   options.speed = request.speed;
   options.frames_per_second = request.frames_per_second;
-  return {Table(scene.live().journal(), "journal"), options, scene.console(), scene.progress()};
+  return {Table(scene.live().journal(), "journal"), options, scene.outlets().console,
+          scene.outlets().progress};
 }
 
 /// Returns how large its files are.
@@ -142,7 +143,7 @@ void save_slices(OpenScene& scene, const SaveRequest& request) {
   decoration.annotate = {"all"};
   const bool deformed = scene.settings().deformed();
   const OffsetField* offsets =
-      deformed ? &scene.live().session().pose(&scene.progress()).offsets : nullptr;
+      deformed ? &scene.live().session().pose(&scene.outlets().progress).offsets : nullptr;
   const SliceSource source{state.geometry, state.density, deformed ? &state.elements : nullptr,
                            offsets, state.elements};
   write_png(request.path, to_image(draw_slices(source, choice, decoration)));
@@ -151,7 +152,8 @@ void save_slices(OpenScene& scene, const SaveRequest& request) {
 void save_screenshot(OpenScene& scene, const SaveRequest& request) {
   if (request.view == 0) {
     const Camera camera = *scene.picture().view().camera.camera;
-    return write_png(request.path, scene.picture().shot(camera, request.size, &scene.progress()));
+    return write_png(request.path,
+                     scene.picture().shot(camera, request.size, &scene.outlets().progress));
   }
   const RestPlaceAt rest = scene.picture().rest_places(true);
   write_png(request.path, scene.pane_of(request.view, request.size, rest, 1).image);
@@ -159,7 +161,7 @@ void save_screenshot(OpenScene& scene, const SaveRequest& request) {
 
 void save_dense(OpenScene& scene, const SaveRequest& request) {
   Session& session = scene.live().session();
-  Progress* progress = &scene.progress();
+  Progress* progress = &scene.outlets().progress;
   const Pose& pose = session.pose(progress);
   if (request.what == "volume") {
     write_resampled(request.path, session.state(), pose, session.geometry(), {}, progress);
@@ -172,7 +174,7 @@ void save_dense(OpenScene& scene, const SaveRequest& request) {
 void write_what(OpenScene& scene, const SaveRequest& request) {
   LiveSession& live = scene.live();
   const std::string& what = request.what;
-  if (what == "state") return live.session().write_state(request.path, &scene.progress());
+  if (what == "state") return live.session().write_state(request.path, &scene.outlets().progress);
   if (what == "scene") return write_text(request.path, toml_document(live.batch_scene()));
   if (what == "journal") return write_text(request.path, toml_document(live.journal()));
   if (what == "measures") {
