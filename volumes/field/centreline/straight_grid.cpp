@@ -85,9 +85,10 @@ void StraightGrid::find_radii() {
 VectorSliceSource StraightGrid::slices() const {
   return [this](int k, Vec3f* out) {
     const Vec3i& dims = m_grid.dims();
-    const double step = m_grid.axes_mm()[2].length(), up = (k - dims.z / 2) * step;
+    const Vec3i middle(0, dims.y / 2, dims.z / 2);
+    const double step = m_grid.axes_mm()[2].length(), up = (k - middle.z) * step;
     for (int j = 0; j < dims.y; ++j) {
-      const double beside = (j - dims.y / 2) * step;
+      const double beside = (j - middle.y) * step;
       for (int i = 0; i < dims.x; ++i) {
         const CurveFrame& frame = m_frames[std::size_t(i)];
         const Vec3d place = frame.at + frame.beside * beside + frame.up * up;

@@ -113,7 +113,8 @@ IndexBox box_of(const Geometry& volume, const Geometry& grid, const VectorSliceS
   for (int k = 0; k < dims.z; ++k) {
     vectors(k, ways.data());
     for (std::size_t n = 0; n < ways.size(); ++n) {
-      const Vec3d voxel(double(n % std::size_t(dims.x)), double(n / std::size_t(dims.x)), k);
+      const std::size_t width = std::size_t(dims.x);
+      const Vec3d voxel(Vec3i(int(n % width), int(n / width), k));
       const Vec3d place = grid.world_from_index(voxel) + Vec3d(ways[n]);
       const Vec3d index = volume.index_from_world(place);
       for (int a = 0; a < 3; ++a) {

@@ -46,7 +46,7 @@ class Straightened : public testing::Test {
     write_volume(path("torus.nrrd"), kTorusGrid, ValueType::float32, [](int k, float* out) {
       for (int n = 0; n < 70 * 70; ++n) {
         const auto [inwards, up] =
-            from_circle(kTorusGrid.world_from_index(Vec3d(n % 70, n / 70, k)));
+            from_circle(kTorusGrid.world_from_index(Vec3d(Vec3i(n % 70, n / 70, k))));
         out[n] = float(density(inwards, up));
       }
     });
@@ -176,8 +176,8 @@ TEST_F(InteropStraighten, ScipyHasTheSameCurve) {
   json_of(straighten({"--radius", "2", "--spacing", "0.5", "--warp", path("warp.nhdr"), "-o",
                       path("straight.nrrd")}));
   const Geometry grid = read_warp(path("warp.nhdr")).geometry;
-  const Vec3i dims = grid.dims();
-  const Vec3d begin = grid.world_from_index({0, double(dims.y / 2), double(dims.z / 2)});
+  const Vec3i& dims = grid.dims();
+  const Vec3d begin = grid.world_from_index(Vec3d(Vec3i(0, dims.y / 2, dims.z / 2)));
   const Vec3d along = grid.axes_mm()[0];
   write_text(path("judge.py"), R"(
 import sys, numpy as np
