@@ -50,7 +50,11 @@ def lead(server, instrument, place, failures):
                 page.ask(membrane={"name": "membrane", "model": "ecm" if n % 2 else "springs"})
             if n % 9 == 0:
                 page.ask(view={"zoom": 1 + 0.1 * (n % 5), "stereo": "side_by_side" if n % 2 else "none"})
+        # The last place is one that it has surely been at, however many of the others were passed over.
+        page.ask(instrument={"name": instrument, "tip": [place[0], place[1], place[2] - 1.5], "opening": 0})
         page.until(lambda: page.status and page.frames)
+        if instrument == "forceps":
+            page.until(lambda: any(one["kind"] == "touch" for one in page.events))
         poses = {one["name"]: one for one in page.status["instruments"]}
         expect(poses[instrument]["is_led"], poses)
         page.close()
