@@ -225,11 +225,11 @@ export class GrabStroke {
     const {scene} = this.session;
     const isKnown = scene?.drag && this.session.lastCarriedOut >= this.events.at(-1);
     const far = isKnown ? wayText(this.session, this.voxel()) : `${short(length(this.session.geometry.lpsOfGrid(this.to)), 3)} mm`;
-    if (this.piece) return this.tellPiece(far);
+    const lead = scene?.lead ? `; ${leadText(scene.lead)}` : '';
+    if (this.piece) return this.tellPiece(far + lead);
     const axis = this.axis ? ` along ${{'axis-x': 'left–right', 'axis-y': 'anterior–posterior', 'axis-z': 'superior–inferior'}[this.axis]}` : '';
     const way = this.axis && this.amount() ? ` to the ${kWays[this.axis][this.amount() < 0 ? 1 : 0]}` : axis;
     const led = this.typed ? `${this.typed}▏mm${way}${isKnown ? ', ' + far : ''}` : far + axis;
-    const lead = scene?.lead ? `; ${leadText(scene.lead)}` : '';
     this.app.say(`Grabbed ${this.pick.voxel.join(', ')}: ${led}${lead}; handle ${this.radius} mm. ` +
                  'Enter keeps, Esc restores, X Y Z and a number constrain, wheel: size');
     this.view.refresh();

@@ -206,3 +206,28 @@ step('a bone that an anchor holds does not come along, and tissue does not turn'
   }
   await isDone();
 });
+
+step('finite elements under the hand follow a turn of the bone, too', async () => {
+  await page.key('Control+z');
+  await view.until('the stroke is taken back', '$carriedOut >= $sent && $scene.undo.length === 1');
+  await page.eval(`(() => {
+    const joint = document.getElementById('setting-joint'), model = document.getElementById('model');
+    joint.value = 0;
+    joint.dispatchEvent(new Event('change'));
+    model.value = 'fem/hand';
+    model.dispatchEvent(new Event('change'));
+  })()`);
+  await view.until('the model is chosen', '$scene.under_hand && $carriedOut >= $sent');
+  await page.move(...await placeOf(lpsOf(kChin)));
+  await page.key('g');
+  await view.until('the bone is in hand', '$scene.grab?.event.rigid_at');
+  for (const key of ['z', '-', '2', 'r', 'x', '4']) await page.key(key);
+  await isDone();
+  await view.until('its turn is solved', '$scene.lead?.done', 100);
+  await page.until('it is told', `/finite elements, solved, [\\d.e-]+ N/.test(document.getElementById('say').textContent)`);
+  assert.equal((await view.get('scene')).drag.turn.asked, 4);
+  await keep(page, 'turn_under_hand.png');
+  await page.key('Enter');
+  await view.until('the stroke is one step', '$carriedOut >= $sent && !$scene.grab && !$scene.lead && $scene.undo.length === 2', 60);
+  await isRigid([0, 0, -2], [1, 0, 0], 4);
+});
