@@ -311,6 +311,9 @@ def check_tables(root, page, binary, writes, findings):
         words = ["keys", mark[2], "--markdown"] if mark[1] == "keys" else ["stress", "--markdown", mark[2]]
         printed = subprocess.run([binary, *words], stdout=subprocess.PIPE,
                                  stderr=subprocess.STDOUT, universal_newlines=True)
+        if printed.returncode != 0:
+            findings.add(page.file, n + 1, f"supple {' '.join(words)}: {printed.stdout.strip()}", "its table")
+            continue
         wanted = printed.stdout.rstrip("\n").split("\n")
         end = n + 1
         while end < len(lines) and lines[end].startswith("|"):

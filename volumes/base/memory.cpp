@@ -62,6 +62,9 @@ double peak_rss_of_children_mb() {
 
 double memory_left_mb() {
   double left = line_mb("/proc/meminfo", "MemAvailable:");
+  // Without /proc, such as in a bare chroot: what nobody uses, files that are cached among it or
+  // not.
+  if (left == 0) left = double(::sysconf(_SC_AVPHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE)) / 1e6;
   if (const std::optional<double> of_group = left_in_group_mb()) left = std::min(left, *of_group);
   rlimit addresses{};
   if (::getrlimit(RLIMIT_AS, &addresses) == 0 && addresses.rlim_cur != RLIM_INFINITY) {
