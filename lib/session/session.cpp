@@ -15,6 +15,7 @@
 #include "lib/session/step_run.h"
 #include "lib/session/undo_history.h"
 #include "lib/state/state_outputs.h"
+#include "volumes/base/relayed_progress.h"
 #include "volumes/base/text.h"
 #include "volumes/io/format/volume_file.h"
 
@@ -23,26 +24,18 @@ namespace supple {
 namespace {
 
 /// Keeps the warnings that it hands on.
-class Listener final : public Progress {
+class Listener final : public RelayedProgress {
  public:
   Listener(std::vector<std::string>& messages, Progress* next)
-      : m_messages(messages), m_next(next) {}
+      : RelayedProgress(next), m_messages(messages) {}
 
-  void stage(std::string_view name) override { supple::stage(m_next, name); }
-  void update(double fraction) override {
-    if (m_next != nullptr) m_next->update(fraction);
-  }
-  bool cancelled() const override { return m_next != nullptr && m_next->cancelled(); }
   void warn(const std::string& line) override {
     m_messages.push_back(line);
-    supple::warn(m_next, line);
+    RelayedProgress::warn(line);
   }
-  void note(const std::string& line) override { supple::note(m_next, line); }
-  void debug(const std::string& line) override { supple::debug(m_next, line); }
 
  private:
   std::vector<std::string>& m_messages;
-  Progress* m_next;
 };
 
 /// Errors that name no file get the place of the step.

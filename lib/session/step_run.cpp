@@ -9,6 +9,7 @@
 #include "lib/session/step_model.h"
 #include "lib/session/step_task.h"
 #include "lib/session/step_warnings.h"
+#include "volumes/base/relayed_progress.h"
 #include "volumes/base/text.h"
 
 namespace supple {
@@ -16,25 +17,18 @@ namespace supple {
 namespace {
 
 /// Says at which pose warnings came, and the same ones once.
-class PoseProgress final : public Progress {
+class PoseProgress final : public RelayedProgress {
  public:
-  PoseProgress(Progress* next, RepeatedLines& lines) : m_next(next), m_lines(lines) {}
+  PoseProgress(Progress* next, RepeatedLines& lines) : RelayedProgress(next), m_lines(lines) {}
 
-  void stage(std::string_view name) override { supple::stage(m_next, name); }
-  void update(double fraction) override {
-    if (m_next != nullptr) m_next->update(fraction);
-  }
-  bool cancelled() const override { return m_next != nullptr && m_next->cancelled(); }
   void warn(const std::string& line) override {
-    if (const auto told = m_lines.take(line)) supple::warn(m_next, *told);
+    if (const auto told = m_lines.take(line)) RelayedProgress::warn(*told);
   }
   void note(const std::string& line) override {
-    if (const auto told = m_lines.take(line)) supple::note(m_next, *told);
+    if (const auto told = m_lines.take(line)) RelayedProgress::note(*told);
   }
-  void debug(const std::string& line) override { supple::debug(m_next, line); }
 
  private:
-  Progress* m_next;
   RepeatedLines& m_lines;
 };
 

@@ -86,16 +86,4 @@ class Console final : public Progress {
 /// header may hold: ends of lines become blanks, other control characters '?'.
 std::string one_line(std::string text);
 
-/// Stops an engine on Ctrl-C but prints nothing, for example while it is timed.
-class CancelOnly final : public Progress {
- public:
-  explicit CancelOnly(const Console& console) : m_console(console) {}
-  void stage(std::string_view) override {}
-  void update(double) override {}
-  bool cancelled() const override { return m_console.cancelled(); }
-
- private:
-  const Console& m_console;
-};
-
 }  // namespace supple::tools

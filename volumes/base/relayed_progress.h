@@ -1,5 +1,7 @@
-// A base of listeners that change some of what they hand on.
+// Listeners that hand on some of what they hear.
 #pragma once
+
+#include <atomic>
 
 #include "volumes/base/progress.h"
 
@@ -22,6 +24,40 @@ class RelayedProgress : public Progress {
 
  private:
   Progress* m_next;
+};
+
+/// Hands on all but lines for the user.
+class UntoldProgress final : public RelayedProgress {
+ public:
+  using RelayedProgress::RelayedProgress;
+  void warn(const std::string&) override {}
+  void note(const std::string&) override {}
+  void debug(const std::string&) override {}
+};
+
+/// Cancels as another one does and says nothing, for example while work is timed.
+class CancelOnly final : public Progress {
+ public:
+  /// null: nobody cancels.
+  explicit CancelOnly(const Progress* asked) : m_asked(asked) {}
+  void stage(std::string_view) override {}
+  void update(double) override {}
+  bool cancelled() const override { return m_asked != nullptr && m_asked->cancelled(); }
+
+ private:
+  const Progress* m_asked;
+};
+
+/// Cancels where another thread asks for it; says nothing.
+class CancelWhere final : public Progress {
+ public:
+  explicit CancelWhere(const std::atomic<bool>& is_cancelled) : m_is_cancelled(is_cancelled) {}
+  void stage(std::string_view) override {}
+  void update(double) override {}
+  bool cancelled() const override { return m_is_cancelled; }
+
+ private:
+  const std::atomic<bool>& m_is_cancelled;
 };
 
 }  // namespace supple

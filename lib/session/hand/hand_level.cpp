@@ -4,7 +4,7 @@
 
 #include "lib/session/hand/live_shape.h"
 #include "lib/session/hand/solid_ahead.h"
-#include "volumes/base/progress.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple {
 
@@ -22,18 +22,6 @@ Vec3d across(const Vec3d& by_mm) {
   return way * (by_mm.length() / way.length());
 }
 
-/// Ends as another one asks; says nothing.
-class Unsaid final : public Progress {
- public:
-  explicit Unsaid(const Progress* asked) : m_asked(asked) {}
-  void stage(std::string_view) override {}
-  void update(double) override {}
-  bool cancelled() const override { return m_asked != nullptr && m_asked->cancelled(); }
-
- private:
-  const Progress* m_asked;
-};
-
 }  // namespace
 
 void move_to_hand_level(const ModelTask& task) {
@@ -43,7 +31,7 @@ void move_to_hand_level(const ModelTask& task) {
     throw InputError({record.place, "drag", std::to_string(record.drags.size()) + " handles",
                       "one, under the hand"});
   }
-  Unsaid unsaid(task.progress);
+  CancelOnly unsaid(task.progress);
   stage(task.progress, kSolidAheadStage);
   SolidAhead ahead(task.in, fem);
   ahead.run(&unsaid);

@@ -7,6 +7,7 @@
 #include "lib/session/fem_task.h"
 #include "lib/session/hand/live_level.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple {
 
@@ -39,18 +40,13 @@ double percentile(std::vector<float> values, double part) {
 }
 
 /// Cancels what runs where a direction has been asked for, too.
-class UntilAsked final : public Progress {
+class UntilAsked final : public RelayedProgress {
  public:
-  UntilAsked(const LiveResponses& live, Progress* told) : m_live(live), m_told(told) {}
-  void stage(std::string_view name) override { supple::stage(m_told, name); }
-  void update(double part) override { report(m_told, part); }
-  bool cancelled() const override {
-    return m_live.has_asked() || (m_told != nullptr && m_told->cancelled());
-  }
+  UntilAsked(const LiveResponses& live, Progress* next) : RelayedProgress(next), m_live(live) {}
+  bool cancelled() const override { return m_live.has_asked() || RelayedProgress::cancelled(); }
 
  private:
   const LiveResponses& m_live;
-  Progress* m_told;
 };
 
 }  // namespace

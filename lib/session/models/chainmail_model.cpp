@@ -13,6 +13,7 @@
 #include "lib/session/spring_step.h"
 #include "lib/session/step_warnings.h"
 #include "volumes/base/error.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple {
 
@@ -33,21 +34,6 @@ void add(const SidesReport& later, SidesReport& report) {
 bool slides(const Drag& drag) {
   return drag.slides && drag.motion.is_shift();
 }
-
-/// Hands on all but lines for the user.
-class Silent final : public Progress {
- public:
-  explicit Silent(Progress* next) : m_next(next) {}
-
-  void stage(std::string_view name) override { supple::stage(m_next, name); }
-  void update(double fraction) override {
-    if (m_next != nullptr) m_next->update(fraction);
-  }
-  bool cancelled() const override { return m_next != nullptr && m_next->cancelled(); }
-
- private:
-  Progress* m_next;
-};
 
 /// A drag, its relaxation, and its tightening.
 struct ChainMailMove : ModelTask {
@@ -83,7 +69,7 @@ struct ChainMailMove : ModelTask {
   void slide_on() const {
     const double done = record.report.fraction();
     Vec3d slid(done);
-    Silent silent(progress);
+    UntoldProgress silent(progress);
     for (int c = 0; c < 3; ++c) {
       StepRecord rest;
       rest.limits = record.limits;

@@ -23,6 +23,7 @@
 #include "tools/scene/sweep/sweep_cases.h"
 #include "volumes/base/json.h"
 #include "volumes/base/memory.h"
+#include "volumes/base/relayed_progress.h"
 #include "volumes/base/stopwatch.h"
 #include "volumes/base/toml.h"
 
@@ -145,7 +146,7 @@ int run_scene(const RunSceneOptions& options, const GlobalOptions& given, Consol
   if (!options.allow_outside) require_inside(scene, options.folder);
   const OutputPlan plan = files_of(scene, options, global.force || options.dry_run);
   const double unchosen_s = processor_seconds();
-  CancelOnly progress(console);  // the run opens the volume once more, and tells
+  CancelOnly progress(&console);  // the run opens the volume once more, and tells
   const std::optional<MethodChoice> choice = choose_method(options.wanted, scene, progress);
   const double choosing_s = processor_seconds() - unchosen_s;
   if (choice) {

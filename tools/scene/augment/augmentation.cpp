@@ -3,6 +3,7 @@
 #include "lib/session/file/step_keys.h"
 #include "tools/scene/live/replay.h"
 #include "tools/scene/run/reports.h"
+#include "volumes/base/relayed_progress.h"
 #include "volumes/base/table.h"
 
 namespace supple::tools {
@@ -25,21 +26,6 @@ std::vector<std::string> motion_names() {
   for (const RandomMotion& motion : random_motions()) names.push_back(motion.name);
   return names;
 }
-
-/// Hears when to stop. Warnings are of ways that are drawn again, and what stays is in the truth.
-class UntoldProgress final : public Progress {
- public:
-  explicit UntoldProgress(Progress* listener) : m_listener(listener) {}
-
-  void stage(std::string_view name) override { supple::stage(m_listener, name); }
-  void update(double fraction) override {
-    if (m_listener != nullptr) m_listener->update(fraction);
-  }
-  bool cancelled() const override { return m_listener != nullptr && m_listener->cancelled(); }
-
- private:
-  Progress* m_listener;
-};
 
 std::string motion_help() {
   std::string help;
@@ -100,6 +86,7 @@ Value Augmentation::draw(int number, Progress* progress) {
   RandomNumbers of_seed{std::uint64_t(m_params.seed)};
   RandomNumbers random(of_seed.next_bits() + std::uint64_t(number));
   const DrawnMotion motion = m_motion.draw(m_body, m_params.limits, random);
+  // Warnings are of ways that are drawn again, and what stays is in the truth.
   UntoldProgress attempt(progress);
   Value keys;
   double gone = 0;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "lib/session/kept_voxels.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -14,18 +15,6 @@ using namespace std::chrono_literals;
 
 /// Time in which one level gives way to the next.
 constexpr double kBlend_ms = 200;
-
-/// Cancels where another thread asks for it; says nothing.
-class Listening final : public Progress {
- public:
-  explicit Listening(const std::atomic<bool>& is_cancelled) : m_is_cancelled(is_cancelled) {}
-  void stage(std::string_view) override {}
-  void update(double) override {}
-  bool cancelled() const override { return m_is_cancelled; }
-
- private:
-  const std::atomic<bool>& m_is_cancelled;
-};
 
 }  // namespace
 
@@ -40,7 +29,7 @@ Value to_value(const LeadState& state) {
 
 AheadThread::AheadThread(SessionBody& in, const FemStep& step) : m_solid(in, step) {
   m_thread = std::thread([this] {
-    Listening progress(m_is_cancelled);
+    CancelWhere progress(m_is_cancelled);
     try {
       m_solid.run(&progress);
     } catch (...) {  // who needs the solid makes it, and hears why it cannot be
@@ -71,7 +60,7 @@ HandLead::HandLead(const SessionBody& in, const Step& grab, std::vector<DragPose
   m_has_shape = false;
   m_from = m_aim = m_shape;
   m_thread = std::thread([this, ahead = std::move(ahead)] {
-    Listening progress(m_is_cancelled);
+    CancelWhere progress(m_is_cancelled);
     try {
       const std::shared_ptr<KeptVoxels> solid = ahead ? ahead->voxels(&progress) : nullptr;
       for (; !m_is_cancelled; std::this_thread::sleep_for(5ms)) {

@@ -7,6 +7,7 @@
 #include "tools/scene/live/hand_lead.h"
 #include "volumes/base/memory.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -33,24 +34,18 @@ constexpr double kLeastOfPicture = 0.5;
 
 /// Progress of a slice. It ends where something waits that may move the body; what only looks is
 /// answered from within, on the thread of the loop, for at most half of the time.
-class LiveLoop::GivingWay final : public Progress {
+class LiveLoop::GivingWay final : public RelayedProgress {
  public:
-  GivingWay(LiveLoop& loop, EventMailbox& mailbox) : m_loop(loop), m_mailbox(mailbox) {
+  GivingWay(LiveLoop& loop, EventMailbox& mailbox)
+      : RelayedProgress(loop.m_progress), m_loop(loop), m_mailbox(mailbox) {
     loop.m_is_moving = true;
   }
   ~GivingWay() override { m_loop.m_is_moving = false; }
   GivingWay(const GivingWay&) = delete;
   GivingWay& operator=(const GivingWay&) = delete;
 
-  void stage(std::string_view name) override { supple::stage(m_loop.m_progress, name); }
-  void update(double fraction) override {
-    if (m_loop.m_progress != nullptr) m_loop.m_progress->update(fraction);
-  }
-  void warn(const std::string& line) override { supple::warn(m_loop.m_progress, line); }
-  void note(const std::string& line) override { supple::note(m_loop.m_progress, line); }
-  void debug(const std::string& line) override { supple::debug(m_loop.m_progress, line); }
   bool cancelled() const override {
-    if (m_loop.m_progress != nullptr && m_loop.m_progress->cancelled()) return true;
+    if (RelayedProgress::cancelled()) return true;
     if (std::this_thread::get_id() == m_thread) look();
     return m_failed || (Clock::now() - m_begun > kPatience && m_mailbox.moves_wait());
   }

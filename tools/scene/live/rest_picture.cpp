@@ -7,6 +7,7 @@
 #include "tools/scene/file/view.h"
 #include "tools/scene/run/staging.h"
 #include "tools/scene/run/view_pictures.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -19,18 +20,6 @@ RenderSettings settings_of(const LivePicture& picture) {
   settings.clips = resolve_clips(picture.view().clips, picture.opened().geometry);
   return settings;
 }
-
-class UntilInterrupted final : public Progress {
- public:
-  explicit UntilInterrupted(const std::atomic<bool>& is_interrupted)
-      : m_is_interrupted(is_interrupted) {}
-  void stage(std::string_view) override {}
-  void update(double) override {}
-  bool cancelled() const override { return m_is_interrupted; }
-
- private:
-  const std::atomic<bool>& m_is_interrupted;
-};
 
 }  // namespace
 
@@ -56,7 +45,7 @@ Image RestPicture::draft(double budget_ms) {
 
 std::optional<Image> RestPicture::settled() {
   m_is_interrupted = false;
-  UntilInterrupted progress(m_is_interrupted);
+  CancelWhere progress(m_is_interrupted);
   try {
     return decorated(m_renderer.render_float(*m_picture.view().camera.camera,
                                              look_of(m_picture.view()), settings_of(m_picture),

@@ -10,6 +10,7 @@
 #include "tools/scene/run/run_report.h"
 #include "volumes/base/error.h"
 #include "volumes/base/memory.h"
+#include "volumes/base/relayed_progress.h"
 #include "volumes/base/toml.h"
 
 namespace supple::tools {
@@ -21,18 +22,14 @@ namespace {
 constexpr std::size_t kLongestLabel = 100;
 
 /// Progress of one of many cases, which keeps the time of its stages.
-class CaseProgress final : public Progress {
+class CaseProgress final : public RelayedProgress {
  public:
-  CaseProgress(std::string title, Progress& whole) : m_title(std::move(title)), m_whole(whole) {}
+  CaseProgress(std::string title, Progress& whole)
+      : RelayedProgress(&whole), m_title(std::move(title)) {}
   void stage(std::string_view name) override {
     m_times.begin(name);
-    m_whole.stage(m_title + ", " + std::string(name));
+    RelayedProgress::stage(m_title + ", " + std::string(name));
   }
-  void update(double fraction) override { m_whole.update(fraction); }
-  bool cancelled() const override { return m_whole.cancelled(); }
-  void warn(const std::string& line) override { m_whole.warn(line); }
-  void note(const std::string& line) override { m_whole.note(line); }
-  void debug(const std::string& line) override { m_whole.debug(line); }
 
   const StageSeconds& seconds() {
     m_times.end();
@@ -41,7 +38,6 @@ class CaseProgress final : public Progress {
 
  private:
   std::string m_title;
-  Progress& m_whole;
   StageTimes m_times;
 };
 

@@ -10,6 +10,7 @@
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/ecm/ecm_cases.h"
 #include "tools/lab/bench/report/memory.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -100,7 +101,7 @@ BenchReport bench_ecm(const BenchOptions& options, Console& console) {
   std::vector<EcmWorkload> plan = checked_workloads(options, head);
   BenchReport result{"ecm", measure_machine(), {}};
   Bodies bodies(head);
-  CancelOnly cancel(console);
+  CancelOnly cancel(&console);
   for (EcmWorkload& workload : plan) {
     report(&cancel, 0);
     drop_what_does_not_fit(workload, console);

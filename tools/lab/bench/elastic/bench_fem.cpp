@@ -20,6 +20,7 @@
 #include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -319,7 +320,7 @@ BenchReport bench_fem(const BenchOptions& options, Console& console) {
   const std::string head = head_file(options.ct_head, options.only.empty(), console);
   const std::vector<FemBenchRow> plan = plan_fem(options, head);
   BenchReport result{"fem", measure_machine(), {}};
-  CancelOnly cancel(console);
+  CancelOnly cancel(&console);
   for (auto first = plan.begin(); first != plan.end();) {
     console.stage(first->name());
     if (first->kind != "operator") {

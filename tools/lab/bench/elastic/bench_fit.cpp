@@ -15,6 +15,7 @@
 #include "tools/lab/bench/report/report.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/error.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -226,7 +227,7 @@ std::vector<std::string> fit_row_names(const BenchOptions& options, Console&) {
 /// way, and the 95th percentile over the way of the handle. Throws UsageError, Cancelled.
 BenchReport bench_fit(const BenchOptions& options, Console& console) {
   BenchReport result{"fit", measure_machine(), {}};
-  CancelOnly cancel(console);
+  CancelOnly cancel(&console);
   std::unique_ptr<FitProblem> problem;
   const FitRow* last = nullptr;
   const std::vector<FitRow> plan = plan_fit(options);

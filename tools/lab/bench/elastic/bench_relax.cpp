@@ -10,6 +10,7 @@
 #include "tools/lab/bench/bodies/ecm_bodies.h"
 #include "tools/lab/bench/elastic/relax_cases.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -71,7 +72,7 @@ BenchReport bench_relax(const BenchOptions& options, Console& console) {
   const std::string head = head_file(options.ct_head, options.only.empty(), console);
   const std::vector<RelaxRow> plan = checked_rows(options, head);
   BenchReport result{"relax", measure_machine(), {}};
-  CancelOnly cancel(console);
+  CancelOnly cancel(&console);
   for (auto first = plan.begin(); first != plan.end();) {
     const auto last = std::find_if(
         first, plan.end(), [&](const RelaxRow& row) { return row.group() != first->group(); });

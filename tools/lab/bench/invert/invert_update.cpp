@@ -4,6 +4,7 @@
 #include "tools/lab/bench/bodies/dragged_head.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/relayed_progress.h"
 
 namespace supple::tools {
 
@@ -52,7 +53,7 @@ InvertUpdateTimes drag_again_and_again(DraggedHead& head, IncrementalInversion& 
 std::vector<BenchRow> measure_update(const Vec3i& size, std::int64_t wanted,
                                      const std::vector<int>& threads, int events,
                                      Console& console) {
-  CancelOnly cancel(console);
+  CancelOnly cancel(&console);
   DraggedHead head(size, wanted, cancel);
   IncrementalInversion inversion(head.displacement(), head.params(), &cancel);
   std::vector<BenchRow> rows;

@@ -10,6 +10,7 @@
 #include "tools/lab/bench/bodies/half_sampled_head.h"
 #include "tools/lab/bench/report/timing.h"
 #include "volumes/base/parallel.h"
+#include "volumes/base/relayed_progress.h"
 #include "volumes/field/inversion/forward_offsets.h"
 
 namespace supple::tools {
@@ -111,7 +112,7 @@ std::string update_row_name(const RenderUpdateSide& side) {
 std::vector<BenchRow> measure_render_update(const Vec3i& size, int image_size, std::int64_t wanted,
                                             const std::vector<RenderUpdateSide>& sides, int events,
                                             Console& console) {
-  CancelOnly cancel(console);
+  CancelOnly cancel(&console);
   UpdateScene scene(size, image_size, wanted, cancel);
   RenderReport ignored;
   scene.head.reset();
