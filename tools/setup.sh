@@ -64,14 +64,14 @@ install_packages() {
   [ "${#missing[@]}" -eq 0 ] || { say "not installed: ${missing[*]}"; return 1; }
 }
 
-# Judges of Debian and of npm; returns 1 where some cannot be had.
+# Judges of Debian; returns 1 where some cannot be had. Those of npm come where its registry can be reached.
 install_judges() {
   local failed=0
   install_packages "${SUPPLE_JUDGES[@]}" || failed=1
   if [ ! -d "$SUPPLE_ROOT/build/npm/node_modules/@itk-wasm/image-io" ]; then
     { command -v npm >/dev/null || install_packages npm; } &&
-      npm install --prefix "$SUPPLE_ROOT/build/npm" --ignore-scripts --no-audit --no-fund --loglevel=error \
-        "${SUPPLE_NPM_JUDGES[@]}" || { say "not installed: ${SUPPLE_NPM_JUDGES[*]}"; failed=1; }
+      timeout 300 npm install --prefix "$SUPPLE_ROOT/build/npm" --ignore-scripts --no-audit --no-fund --loglevel=error \
+        --fetch-retries=1 "${SUPPLE_NPM_JUDGES[@]}" || say "left out: ${SUPPLE_NPM_JUDGES[*]}"
   fi
   return $failed
 }

@@ -100,7 +100,7 @@ def main():
     missing = [name for name in ("transform-io", "image-io")
                if not os.path.exists(os.path.join(MODULES, "@itk-wasm", name))]
     if missing or not program("node", "node"):
-        print("skipped: node or @itk-wasm/transform-io and image-io not installed (bash tools/setup.sh --with-judges)")
+        print("skipped: no node, or no @itk-wasm/transform-io and image-io (bash tools/setup.sh --with-judges)")
         sys.exit(SKIPPED)
     tally = Tally()
     with tempfile.TemporaryDirectory(prefix="supple_itk_wasm_") as folder:
