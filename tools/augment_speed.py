@@ -128,5 +128,6 @@ def main():
               f"| {np.median(elapsed):.2f} ({np.mean(elapsed):.2f}) "
               f"| {folded.sum()} | {det.min():.3f} | {off.max():.2g} |", flush=True)
 
+
 if __name__ == "__main__":
     main()

@@ -39,6 +39,9 @@ struct FemLoad {
 /// admissible ones, or keep them.
 enum class LinksBeyond { project, keep };
 
+/// Shifts and linear maps span no more.
+constexpr std::size_t kMostDirections = 12;
+
 /// A shift of a handle in mm along the grid axes, or a turn by so many degrees about such an axis
 /// through the handle's middle. Two turns of an axis, by 90 and 180 degrees, span all about it.
 struct HandDirection {

@@ -123,17 +123,14 @@ NodalSolution LevelSolver::by_coarse_elements(NodalLoads& loads, int doublings,
   return out;
 }
 
-NodalSolution LevelSolver::by_voxels(Loads& loads, CgLimits limits, bool may_be_rough,
+NodalSolution LevelSolver::by_voxels(Loads& loads, const CgLimits& limits, bool may_be_rough,
                                      Progress* progress) {
   std::unique_ptr<ConjugateGradients>& solver = loads.by_voxels;
-  if (!solver) {
-    limits.ritz_value = m_ritz_value;
-    solver = std::make_unique<ConjugateGradients>(*m_system, *loads.of, limits);
-  }
+  if (!solver) solver = std::make_unique<ConjugateGradients>(*m_system, *loads.of, limits);
   solver->allow(limits.max_iterations);
   NodalSolution out = run_solver(*solver, may_be_rough, progress);
   out.to.error_mm = solver->error_mm().value_or(0);
-  out.ritz_value = m_ritz_value = std::min(m_ritz_value, solver->ritz_value());
+  out.ritz_value = solver->ritz_value();
   out.bytes = solver->bytes();
   out.residual_mn = solver->residual();
   if (may_be_rough) {

@@ -22,7 +22,8 @@ class LevelSolver {
   /// Makes ready what all loads share for elements of 2^doublings voxels. Throws Cancelled, all as
   /// it was.
   void prepare(int doublings, Progress* progress);
-  /// The solution of the n-th loads by elements of params.doublings. Starts from their u_mm, which
+  /// The solution of the n-th loads by elements of params.doublings, with the bits that it has
+  /// whatever other loads are solved. Starts from their u_mm, which
   /// it takes; by voxels it goes on where the call before ended. `may_be_rough`: what `params`
   /// allow no more iterations for is a solution, too. Throws NotConverged, Cancelled, after which
   /// solutions by voxels can go on.
@@ -37,12 +38,12 @@ class LevelSolver {
   };
   NodalSolution by_coarse_elements(NodalLoads& loads, int doublings, const CgLimits& limits,
                                    bool may_be_rough, Progress* progress);
-  NodalSolution by_voxels(Loads& loads, CgLimits limits, bool may_be_rough, Progress* progress);
+  NodalSolution by_voxels(Loads& loads, const CgLimits& limits, bool may_be_rough,
+                          Progress* progress);
 
   const FemModel& m_model;
   std::vector<Loads> m_loads;
   std::unique_ptr<VoxelSystem> m_system;
-  double m_ritz_value = 1;  // the smallest that solutions by voxels have seen
 };
 
 }  // namespace supple

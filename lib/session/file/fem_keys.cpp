@@ -12,7 +12,6 @@ namespace supple {
 namespace {
 
 /// Shifts, linear maps: a handle has no more.
-constexpr std::size_t kMostDirections = 12;
 
 FemLoad read_load(Table& table, LoadKind kind, const LabelNames& names) {
   FemLoad load;
@@ -43,6 +42,10 @@ std::vector<HandDirection> read_directions(Table& table) {
           table.rows("directions", {3, 4}, "a list of [x, y, z] in mm or [x, y, z, degrees]")) {
     for (const std::vector<double>& row : *rows) {
       directions.push_back({Vec3d(row[0], row[1], row[2]), row.size() == 4 ? row[3] : 0});
+      const HandDirection& last = directions.back();
+      if (last.turn_deg != 0 && last.way == Vec3d(0)) {
+        table.fail("directions", "a turn about no axis", "[x, y, z, degrees] with an axis");
+      }
     }
   }
   if (directions.size() > kMostDirections) {

@@ -11,7 +11,7 @@
 
 namespace supple {
 
-/// What a direction, or the place where the handle is, makes of the body.
+/// The body as a direction, or the place where the handle is, makes it.
 struct LiveResponse {
   int doublings = 0;
   bool is_last = false;

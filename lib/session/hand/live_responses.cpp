@@ -79,13 +79,13 @@ LiveResponses::LiveResponses(const SessionBody& in, const Step& grab,
   });
   const Vec3d spacing = m_body.geometry.spacing_mm();
   m_radius_mm = std::max(std::sqrt(squares / double(grabbed.size())), spacing.x / 2);
-  take(in, grab, {Vec3d(0), {}});
-  for (DragPose& pose : directions) take(in, grab, std::move(pose));
+  add(in, grab, {Vec3d(0), {}});
+  for (DragPose& pose : directions) add(in, grab, std::move(pose));
 }
 
 LiveResponses::~LiveResponses() = default;
 
-void LiveResponses::take(const SessionBody& in, const Step& grab, DragPose direction) {
+void LiveResponses::add(const SessionBody& in, const Step& grab, DragPose direction) {
   Step step = grab;
   Drag& drag = step.drags.front();
   if (!direction.motion.about_lps_mm) direction.motion.about_lps_mm = m_about_mm;
@@ -97,10 +97,6 @@ void LiveResponses::take(const SessionBody& in, const Step& grab, DragPose direc
   m_ways.push_back(affine_of(direction));
   m_all.reset();
   m_has_asked = true;
-}
-
-void LiveResponses::add(const SessionBody& in, const Step& grab, DragPose direction) {
-  take(in, grab, std::move(direction));
 }
 
 /// Shift of the middle, and the linear map less the identity times the radius: a motion of about so

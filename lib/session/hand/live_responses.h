@@ -14,7 +14,7 @@
 // the others, then all go on together. All have the same bits whenever they came.
 //
 // Memory: of the best level, and of what poses still have, 12 bytes per element and direction;
-// while one is found, 12 of the one before it, what solvers take (44 bytes per unknown and
+// while one is found, 12 of the one before it, what solvers take (32 bytes per unknown and
 // direction), and 16 bytes per unknown and direction.
 #pragma once
 
@@ -92,7 +92,6 @@ class LiveResponses {
   struct Direction;
   using Affine = std::array<double, 12>;  // shift, and linear map in rows, about m_about_mm
   Affine affine_of(const DragPose& pose) const;
-  void take(const SessionBody& in, const Step& grab, DragPose direction);
   void make_solid(const FemTask& task, std::shared_ptr<KeptVoxels> ahead, Progress* progress);
   void take_asked(const FemTask& task, Progress* progress);
   std::vector<NodalLoads> loads(const std::vector<std::vector<Handle>>& handles,

@@ -105,7 +105,7 @@ TEST_F(UnitHandLead, AFastAndASlowMachineMakeTheSameStateAndSoDoJournalAndScene)
   EXPECT_EQ(body.q[1].at(middle), kFixedOne / 2);
 }
 
-TEST_F(UnitHandLead, TurnsOfABoneAreFollowedAboutTheirAxis) {
+TEST_F(UnitHandLead, TurnsOfABoneAreFollowedAboutAnyAxes) {
   const auto live =
       led({"kind = \"step\"\nrigid = [{ name = \"bone\", grab_box = [8, 11, 12, 15, 12, 13] }]",
            "kind = \"grab\"\nrigid_at = [9, 11, 12]\ndirections = [[10, 0, 0], [0, 0, 10]]",
@@ -114,23 +114,23 @@ TEST_F(UnitHandLead, TurnsOfABoneAreFollowedAboutTheirAxis) {
   carry_out(*live, {drag_to("[0.5, 0, 0.25]\nturn = [0, 20, 0]")});
   wait_for_all_levels(*live);
   EXPECT_EQ(live->lead()->state().pose.parts.size(), 4u);
-  // Another angle about the same axis, and a third axis, which is not looked for.
+  // Another angle about the same axis needs nothing else, another axis all linear maps.
   carry_out(*live, {drag_to("[0.5, 0, 0]\nturn = [0, -30, 0]")});
   EXPECT_TRUE(live->lead()->state().is_done);
   EXPECT_LE(live->lead()->state().pose.beyond_mm, 1e-6);
-  carry_out(*live,
-            {drag_to("[0.5, 0, 0]\nturn = [10, 0, 0]"), drag_to("[0.5, 0, 0]\nturn = [0, 0, 10]"),
-             drag_to("[0.5, 0, 0.25]\nturn = [0, 15, 0]")});
-  wait_for_all_levels(*live);
-  EXPECT_EQ(live->lead()->state().pose.parts.size(), 6u);
-  EXPECT_LE(live->lead()->state().pose.beyond_mm, 1e-6);
+  for (const char* turn : {"[10, 0, 0]", "[0, 0, 10]", "[6, -9, 8]"}) {
+    carry_out(*live, {drag_to(std::string("[0.5, 0, 0.25]\nturn = ") + turn)});
+    wait_for_all_levels(*live);
+    EXPECT_EQ(live->lead()->state().pose.parts.size(), 11u);
+    EXPECT_LE(live->lead()->state().pose.beyond_mm, 1e-6);
+  }
   const auto now = HandLead::Clock::now();
   live->lead()->shape(now);
   const BodyShape shown = *live->lead()->shape(now + 1s);
   carry_out(*live, {"kind = \"release\""});
   finish(*live);
   const Body& body = live->session().body();
-  EXPECT_NEAR(body.rigid.list.front().pose.turn.angle_deg(), 15, 1e-3);
+  EXPECT_NEAR(body.rigid.list.front().pose.turn.angle_deg(), std::sqrt(181.0), 1e-3);
   for_each_element(body.elements, [&](Slot slot) {
     for (std::size_t c = 0; c < 3; ++c) {
       ASSERT_NEAR(double(shown[c].at(slot)), double(body.q[c].at(slot)), 0.01 * kFixedOne);
@@ -139,6 +139,22 @@ TEST_F(UnitHandLead, TurnsOfABoneAreFollowedAboutTheirAxis) {
   const std::string state = hash(*live);
   EXPECT_EQ(replayed(live->journal()), state);
   EXPECT_EQ(replayed(live->batch_scene()), state);
+}
+
+TEST_F(UnitHandLead, DirectionsThatAreNoneAreRefused) {
+  const std::string grab = "kind = \"grab\"\ngrab = [12, 12, 15]\ndirections = ";
+  EXPECT_EQ(event_of(grab + "[[0, 0, 2, 90], [1, 0, 0]]").directions.front().turn_deg, 90);
+  std::string many;
+  for (int n = 0; n < 13; ++n) many += "[1, 0, 0], ";
+  for (const std::string& rows :
+       {std::string("[[0, 0, 0, 90]]"), std::string("[[1, 0]]"), "[" + many + "]"}) {
+    try {
+      event_of(grab + rows);
+      ADD_FAILURE() << rows;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.problem().field, "event[1].directions") << rows;
+    }
+  }
 }
 
 TEST_F(UnitHandLead, PicturesFollowWhileTheStateWaitsAndBlendIntoThePose) {

@@ -52,8 +52,8 @@ class HandLead {
  public:
   using Clock = std::chrono::steady_clock;
   /// Begins to find the responses of the handle of `grab`, which is on the grid and moves nothing,
-  /// in these directions. `ahead`: the solid that is being made, which
-  /// is waited for; null: none is. Throws as LiveResponses.
+  /// in these directions. `ahead`: the solid that is being made, which is waited for; null: none
+  /// is. Throws as LiveResponses.
   HandLead(const SessionBody& in, const Step& grab, std::vector<DragPose> directions,
            std::shared_ptr<AheadThread> ahead);
   /// Cancels what is still being found.

@@ -1,8 +1,8 @@
 #include "tools/scene/live/led_stroke.h"
 
-#include <cmath>
 #include <utility>
 
+#include "lib/session/hand/hand_span.h"
 #include "lib/session/step_model.h"
 #include "tools/scene/live/hand_lead.h"
 #include "tools/scene/live/piece_in_hand.h"
@@ -13,52 +13,6 @@ namespace {
 
 /// Shifts along the axes of the grid span all.
 const std::vector<HandDirection> kAxes = {{{10, 0, 0}}, {{0, 10, 0}}, {{0, 0, 10}}};
-/// What of a way no direction has is a direction of its own from this part of the way on.
-constexpr double kOwnPart = 1e-6;
-constexpr double kDirection_mm = 10;
-/// Sine of the angle between axes that are one, and axes of a stroke.
-constexpr double kSameAxis = 1e-4;
-constexpr int kMostAxes = 2;
-
-Vec3d rounded(Vec3d v, double parts) {
-  for (int a = 0; a < 3; ++a) v[a] = std::round(v[a] * parts) / parts;
-  return v;
-}
-
-/// The shift that a way along the grid axes lacks among these, across them all.
-std::vector<HandDirection> lacking_shift(const Vec3d& way,
-                                         const std::vector<HandDirection>& directions) {
-  std::vector<Vec3d> across;
-  const auto rest_of = [&](Vec3d rest) {
-    for (int twice = 0; twice < 2; ++twice) {
-      for (const Vec3d& axis : across) rest -= axis * axis.dot(rest);
-    }
-    return rest;
-  };
-  for (const HandDirection& direction : directions) {
-    if (direction.turn_deg != 0) continue;
-    const Vec3d rest = rest_of(direction.way);
-    if (rest.length() > kOwnPart * direction.way.length()) across.push_back(rest / rest.length());
-  }
-  const Vec3d rest = rest_of(way);
-  if (!(rest.length() > kOwnPart * way.length())) return {};
-  return {{rounded(rest * (kDirection_mm / rest.length()), 1e3)}};
-}
-
-/// The turns that one about this axis, along the grid axes, lacks among these. Motions about ever
-/// other axes are not followed.
-std::vector<HandDirection> lacking_turns(Vec3d axis, const std::vector<HandDirection>& directions) {
-  axis /= axis.length();
-  int turns = 0;
-  for (const HandDirection& direction : directions) {
-    if (direction.turn_deg == 0) continue;
-    if (direction.way.cross(axis).length() <= kSameAxis * direction.way.length()) return {};
-    ++turns;
-  }
-  if (turns >= 2 * kMostAxes) return {};
-  axis = rounded(axis, 1e6);
-  return {{axis, 90}, {axis, 180}};
-}
 
 }  // namespace
 
@@ -125,28 +79,22 @@ void LedStroke::begin(const LiveEvent& model) {
   }
 }
 
-/// Finds directions that the target lacks.
-void LedStroke::lead_further(const Drag& target, const LiveEvent& model) {
-  const Geometry& geometry = m_session.geometry();
-  const Step grab = on_grid(stroke(model, Vec3d(0), nullptr), geometry);
-  std::vector<HandDirection> further = lacking_shift(target.by_mm, grab.fem->directions);
-  if (target.motion.angle_deg != 0) {
-    const Vec3d axis = geometry.index_vector_from_world(target.motion.axis_lps);
-    const auto turns = lacking_turns(axis * geometry.spacing_mm(), grab.fem->directions);
-    further.insert(further.end(), turns.begin(), turns.end());
-  }
-  for (const HandDirection& direction : further) {
-    m_further.push_back(direction);
-    m_lead->add(m_session.held_body(), grab, direction.pose(geometry));
-  }
-}
-
 void LedStroke::lead_by(const LiveEvent& drag, const Vec3d& by, const LiveEvent& model) {
   if (!m_lead) begin(model);
-  const Drag target = on_grid(stroke(model, by, &drag), m_session.geometry()).drags.front();
-  lead_further(target, model);
+  const Geometry& geometry = m_session.geometry();
   Step step = stroke(model, by, &drag);
-  check_places(step, m_session.geometry());
+  const Drag led = on_grid(step, geometry).drags.front();
+  const DragPose target{led.by_mm, led.motion};
+  const auto further = lacking_directions(target, step.fem->directions, geometry);
+  if (!further.empty()) {
+    const Step grab = on_grid(stroke(model, Vec3d(0), nullptr), geometry);
+    for (const HandDirection& direction : further) {
+      m_lead->add(m_session.held_body(), grab, direction.pose(geometry));
+      m_further.push_back(direction);
+    }
+    step = stroke(model, by, &drag);
+  }
+  check_places(step, geometry);
   const double turned_deg = asked_deg(drag);
   m_hand.led = {drag.to,    drag.to, turned_deg,
                 turned_deg, false,   m_session.body().elements.active_count()};
@@ -155,7 +103,7 @@ void LedStroke::lead_by(const LiveEvent& drag, const Vec3d& by, const LiveEvent&
     m_step = {EventKind::drag, 0, 0, step, m_hand.reached, m_hand.reached + by};
     m_step->turned_deg = turned_deg;
   }
-  m_lead->lead_to({target.by_mm, target.motion});
+  m_lead->lead_to(target);
   if (m_lead->has_level()) return;
   Step follower;
   follower.drags = step.drags;

@@ -52,7 +52,6 @@ class LedStroke {
 
  private:
   Step stroke(const LiveEvent& model, const Vec3d& by, const LiveEvent* drag) const;
-  void lead_further(const Drag& target, const LiveEvent& model);
 
   Session& m_session;
   LiveHistory& m_history;

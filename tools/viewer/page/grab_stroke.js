@@ -96,7 +96,7 @@ export class GrabStroke {
   /// The directions in which finite elements are to be ready to follow.
   plane() {
     if (!this.session.scene?.under_hand) return {};
-    const round = (mm) => Math.round(mm * 1e4) / 1e4;
+    const round = (mm) => Math.round(mm * 1e8) / 1e8;
     return {directions: [this.pick.right, this.pick.down].map((way) => times(normalized(way), 10).map(round))};
   }
 
@@ -149,7 +149,8 @@ export class GrabStroke {
     if (this.axis) shift = alongAxis(this.view.directions(), shift, kAxes[this.axis]);
     const amount = this.amount();
     if (amount !== null) shift = times(this.wayOf(shift), amount);
-    const to = geometry.gridOfLps(shift).map((mm) => Math.round(mm * 1e4) / 1e4);
+    // So fine that what a view leads to stays in its plane.
+    const to = geometry.gridOfLps(shift).map((mm) => Math.round(mm * 1e6) / 1e6);
     if (to.every((mm, a) => mm === this.to[a])) return;
     this.to = to;
     this.lead(time);

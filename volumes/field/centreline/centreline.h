@@ -5,7 +5,7 @@
 // 27, 2008), which have no flips where the curve is straight or changes sides, as Frenet's have.
 //
 // Errors: lengths 1e-9 of a smooth segment; frames fourth order in a 32nd of a segment.
-// Cost: 0.5 kB and 30 µs per point; frame() 0.5 µs.
+// Cost: 3.6 kB and 30 µs per point; frame() 0.5 µs.
 #pragma once
 
 #include <optional>
@@ -25,8 +25,7 @@ class Centreline {
   /// `points`: LPS mm, in order. `up`: direction, LPS, of which the part across the curve's middle
   /// is up there; none: superior, or anterior where the middle runs within 45 degrees of superior.
   /// Throws InputError for fewer than two points, for neighbours at one place, for values that are
-  /// not finite, and for an `up`
-  /// without a part across the curve.
+  /// not finite, and for an `up` without a part across the curve.
   Centreline(const std::vector<Vec3d>& points, const std::optional<Vec3d>& up);
 
   double length_mm() const { return m_samples.back().length; }

@@ -10,7 +10,7 @@ import {Geometry} from '../../../../tools/viewer/page/geometry.js';
 import {cross, distance, dot, length, minus, normalized} from '../../../../tools/viewer/page/vectors.js';
 
 const kWindow = {width: 1100, height: 760};
-let folder, server, browser, page, view, densities;
+let folder, server, browser, page, view;
 
 const step = stepsOf(() => page);
 
@@ -27,7 +27,7 @@ async function start(file = 'head.nhdr', hash = '') {
 before(async () => {
   if (missing) return;
   folder = new Folder();
-  densities = new Int16Array(new Uint8Array(readFileSync(folder.at('head.raw'))).buffer);
+  const {densities} = folder;
   // The same without HU, as MR has them.
   writeFileSync(folder.at('mr.raw'), new Uint8Array(densities.map((hu) => Math.max(0, hu + 1000) / 4).buffer));
   writeFileSync(folder.at('mr.nhdr'), readFileSync(folder.at('head.nhdr'), 'latin1').replace('head.raw', 'mr.raw'));
@@ -144,18 +144,6 @@ step('the faces of a box are led inwards by whole voxels', async () => {
   await view.until('it is taken away', '$scene.view.clips.length === 0');
 });
 
-/// The volume's file between its voxels.
-function densityAt(index) {
-  const low = index.map(Math.floor);
-  let sum = 0;
-  for (let corner = 0; corner < 8; ++corner) {
-    const at = low.map((v, a) => v + ((corner >> a) & 1));
-    const weight = at.reduce((w, v, a) => w * (1 - Math.abs(index[a] - v)), 1);
-    sum += weight * densities[at[0] + 96 * (at[1] + 96 * at[2])];
-  }
-  return sum;
-}
-
 step('a slice is turned by its line in another one, shows the deformed body there, and a link has it', async () => {
   await page.key('1');
   await view.settled(60);
@@ -203,7 +191,7 @@ step('a slice is turned by its line in another one, shows the deformed body ther
     if (!hit.displacement) continue;  // air beyond what tissue tells
     ++known;
     const rest = hit.index.map((v, a) => v - hit.displacement[a] / volume.affine[5 * a]);
-    assert.ok(Math.abs(hit.density - densityAt(rest)) < 0.5, `${hit.density} instead of ${densityAt(rest)}`);
+    assert.ok(Math.abs(hit.density - folder.densityAt(rest)) < 0.5, `${hit.density} instead of ${folder.densityAt(rest)}`);
     const grey = Math.min(1, Math.max(0, (hit.density - level) / window + 0.5)) * 255;
     const pixel = picture.pixels[3 * (Math.floor(y - box.y) * picture.width + Math.floor(x - box.x))];
     if (Math.abs(pixel - grey) < 12) ++seen;

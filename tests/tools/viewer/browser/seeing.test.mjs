@@ -14,7 +14,7 @@ import {distance, length, minus} from '../../../../tools/viewer/page/vectors.js'
 
 const kWindow = {width: 1100, height: 760};
 const kViews = ['3d', 'axial', 'coronal', 'sagittal'];
-let folder, server, browser, page, view, densities, volume;
+let folder, server, browser, page, view, volume;
 
 const step = stepsOf(() => page);
 
@@ -24,7 +24,6 @@ before(async () => {
   if (missing) return;
   folder = new Folder();
   const header = readFileSync(folder.at('head.nhdr'), 'latin1');
-  densities = new Int16Array(new Uint8Array(readFileSync(folder.at('head.raw'))).buffer);
   const labels = new Uint8Array(96 * 96 * 54);
   for (let n = 0; n < labels.length; ++n) labels[n] = labelOf([n % 96, Math.floor(n / 96) % 96, Math.floor(n / 9216)]);
   writeFileSync(folder.at('labels.raw'), labels);
@@ -55,18 +54,6 @@ const partOf = async (name, [fx, fy]) => {
   return [x + Math.round(fx * width), y + Math.round(fy * height)];
 };
 
-/// The volume's file between its voxels.
-function densityAt(index) {
-  const low = index.map(Math.floor);
-  let sum = 0;
-  for (let corner = 0; corner < 8; ++corner) {
-    const at = low.map((v, a) => v + ((corner >> a) & 1));
-    const weight = at.reduce((w, v, a) => w * (1 - Math.abs(index[a] - v)), 1);
-    sum += weight * densities[at[0] + 96 * (at[1] + 96 * at[2])];
-  }
-  return sum;
-}
-
 step('values under the pointer are those of the files, in all views', async () => {
   for (const name of kViews) {
     for (const part of [[0.5, 0.5], [0.42, 0.55], [0.56, 0.45]]) {
@@ -74,7 +61,7 @@ step('values under the pointer are those of the files, in all views', async () =
       const {lines, hit} = await valuesAt(x, y);
       const shown = await page.eval(`supple.place('${name}', ${JSON.stringify(hit.lps)})`);
       assert.ok(Math.hypot(shown[0] - x, shown[1] - y) < 0.6, `${name}: the place lies under the pointer`);
-      assert.ok(Math.abs(hit.density - densityAt(hit.index)) < 0.01, `${name}: ${hit.density} instead of ${densityAt(hit.index)}`);
+      assert.ok(Math.abs(hit.density - folder.densityAt(hit.index)) < 0.01, `${name}: ${hit.density} instead of ${folder.densityAt(hit.index)}`);
       assert.equal(hit.label, labelOf(hit.voxel), `${name}: label at ${hit.voxel}`);
       assert.ok(distance(hit.voxel, hit.index) < (name === '3d' ? 4 : 0.9));
       const affine = volume.affine;
@@ -207,7 +194,7 @@ step('the slider shows a part of the displacement, or more, and leaves the body 
     const {hit} = await valuesAt(Math.round(x), Math.round(y));
     assert.ok(distance(hit.displacement, part) < 0.05, `${hit.displacement} instead of ${part}`);
     const rest = hit.index.map((v, a) => v - hit.displacement[a] / volume.affine[5 * a]);
-    assert.ok(Math.abs(hit.density - densityAt(rest)) < 0.5, 'what is seen there is that tissue of the file');
+    assert.ok(Math.abs(hit.density - folder.densityAt(rest)) < 0.5, 'what is seen there is that tissue of the file');
     await page.move(...await page.middle('#toolbar .brand'));
   }
   await setAmount(100);
@@ -341,7 +328,7 @@ step('a curtain and blinking show the body at rest beside it, by one camera, and
   // What is told and measured on the side at rest is of the body at rest; hands find nothing there.
   const [x, y] = await partOf('3d', [0.5, 0.5]);
   const {hit} = await valuesAt(x, y);
-  assert.ok(length(hit.displacement) === 0 && Math.abs(hit.density - densityAt(hit.index)) < 0.01);
+  assert.ok(length(hit.displacement) === 0 && Math.abs(hit.density - folder.densityAt(hit.index)) < 0.01);
   await page.key('g');
   await page.until('hands are told', `/body at rest is shown here/.test(document.getElementById('say').textContent)`);
   assert.equal(await view.get('scene.grab'), null);

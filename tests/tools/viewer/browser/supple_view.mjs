@@ -1,7 +1,7 @@
 // `supple view` on a folder of its own, its page in Chromium, and what both write.
 
 import {execFileSync, spawn} from 'node:child_process';
-import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {dirname, join} from 'node:path';
 import {sleep} from './chromium.mjs';
@@ -26,6 +26,20 @@ export class Folder {
     writeFileSync(this.at('soft.toml'), 'preset = "soft-tissue"\n');
   }
   at(name) { return join(this.path, name); }
+  /// The phantom's densities, i fastest.
+  get densities() { return new Int16Array(new Uint8Array(readFileSync(this.at('head.raw'))).buffer); }
+  /// Between its voxels.
+  densityAt(index) {
+    this.values ??= this.densities;
+    const low = index.map(Math.floor);
+    let sum = 0;
+    for (let corner = 0; corner < 8; ++corner) {
+      const at = low.map((v, a) => v + ((corner >> a) & 1));
+      const weight = at.reduce((w, v, a) => w * (1 - Math.abs(index[a] - v)), 1);
+      sum += weight * this.values[at[0] + 96 * (at[1] + 96 * at[2])];
+    }
+    return sum;
+  }
   remove() { rmSync(this.path, {recursive: true, force: true}); }
 }
 

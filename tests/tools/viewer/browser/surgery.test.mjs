@@ -46,7 +46,7 @@ after(async () => {
 });
 
 function middleOfJaw() {
-  const densities = new Int16Array(new Uint8Array(readFileSync(folder.at('head.raw'))).buffer);
+  const {densities} = folder;
   let sum = [0, 0, 0], count = 0;
   for (let k = 0; k <= 4; ++k) for (let j = 48; j <= 80; ++j) for (let i = 24; i <= 68; ++i) {
     if (densities[i + 96 * (j + 96 * k)] < 300) continue;
